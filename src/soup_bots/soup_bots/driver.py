@@ -1,0 +1,153 @@
+"""What a bot's mind does whatever its work is: number requests, drive a route, sit out penalties, tell about itself."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+from soup_msgs_py.codes import Phase
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.messages import BotStatus, FollowPath, Point, Trip, TripFeedback
+from soup_msgs_py.mind import NEVER, Message
+
+
+class Step(IntEnum):
+    """The request that a bot is at."""
+
+    STAND = 0
+    DRIVE = 1
+    GRAB = 2
+    TRANSFER = 3
+    RELEASE = 4
+
+
+class Driver:
+    """A bot that drives where it is told, and says what it is doing. `BotMind` adds what it drives for.
+
+    Attributes:
+        bot: Number of the bot.
+        bucket: The bucket that it carries, -1 for none.
+        phase: Which part of its work it is at.
+        trip: The trip that it is on.
+        route: Corners of the drive that it is on; empty when it is on none.
+        corner: How many of them are behind it. The crew, which senses where the bot is, counts this up.
+        drives: Counts the drives that were begun, so that the crew notices a new one.
+        next_wake: Simulated time (s) when `wake` is due.
+    """
+
+    def __init__(self, bot: int, layout: Layout, *, retry_s: float, penalty_s: float) -> None:
+        """Make the mind of a bot that stands idle.
+
+        Args:
+            bot: Number of the bot.
+            layout: For the names of stations.
+            retry_s: Shortest pause before a refused request is tried again.
+            penalty_s: How long a collision keeps the bot standing.
+        """
+        self.bot = bot
+        self.bucket = -1
+        self.phase = Phase.IDLE
+        self.trip: Trip | None = None
+        self.route: tuple[Point, ...] = ()
+        self.corner = 0
+        self.drives = 0
+        self.held = False  # the next path waits for the steering's word
+        self.next_wake = NEVER
+        self._layout = layout
+        self._retry_s = retry_s
+        self._penalty_s = penalty_s
+        self._step = Step.STAND
+        self._request = -1  # the request under way; -1 while none is, or while the steering has the wheel
+        self._last_request = -1
+        self._struck = False  # stands in the penalty of a collision
+        self._tries = 0
+        self._moved = 0  # tiles moved during this visit
+        self._visits_done = 0
+        self._cancelled = False
+        self._drive = -1  # number of a drive that somebody asked for
+        self._note = ""  # what the trip's result should mention
+        self._text = "stands idle"
+        self._reason = ""  # what the bot waits for
+        self._hands: dict[int, tuple[int, Message]] = {}  # request by hand -> token, request
+        self._pending = False  # a request of an operation (not a drive) is with the world
+
+    # ---- what the crew needs ------------------------------------------------------------------------------
+
+    @property
+    def driving(self) -> bool:
+        """Whether the bot is to be steered now."""
+        return self._step is Step.DRIVE and not self._struck and self.next_wake == NEVER
+
+    def begin(self, bucket: int, now: float) -> list[Message]:
+        """Learn from a snapshot what the bot carries; tell everybody what it is doing."""
+        self.bucket = bucket
+        return [self._status(now)]
+
+    def take_wheel(self) -> None:
+        """The steering drives by velocities now; the reply to the path that it replaces is of no interest."""
+        self._request = -1
+
+    def hold_back(self) -> None:
+        """The path that was begun just now is not to be told to the world: the steering looks first."""
+        self.held = True
+        self._request = -1
+
+    def path(self, now: float) -> FollowPath:
+        """The path that is left of the drive, under a new request number."""
+        self.held = False
+        self._request = self._number(now)
+        return FollowPath(self.bot, self._request, self.route[self.corner :])
+
+    def waits(self, reason: str, now: float) -> list[Message]:
+        """Tell why the bot stands on its way; an empty reason: it drives again."""
+        if reason == self._reason:
+            return []
+        self._reason = reason
+        return self._tell(now)
+
+    def collided(self, now: float) -> list[Message]:
+        """A collision keeps the bot standing until the world tells that it has resumed."""
+        if self._struck or self._step is Step.STAND:
+            return []
+        self._struck = True
+        # in case the event is lost: the world refuses a try that comes too early
+        self.next_wake = now + self._penalty_s + 2.0 * self._retry_s
+        return self.waits("stands after a collision until its penalty is over", now)
+
+    def _start_drive(self, points: tuple[Point, ...], now: float) -> list[Message]:
+        self.next_wake = NEVER
+        self._step = Step.DRIVE
+        self._reason = ""
+        self._struck = False
+        self.route, self.corner = points, 0
+        self.drives += 1
+        return [self.path(now)]
+
+    def _stop_driving(self) -> None:
+        self._step = Step.STAND
+        self.route, self.corner, self.held = (), 0, False
+        self._request = -1
+        self._struck = False
+        self.next_wake = NEVER
+
+    def _number(self, now: float) -> int:
+        """Request numbers grow even over a restart of the bot, so an old reply never fits a new request."""
+        self._last_request = max(self._last_request + 1, int(now * 1e9))
+        return self._last_request
+
+    def _tell(self, now: float) -> list[Message]:
+        return [self._status(now)] if self.trip is None else [self._status(now), self._feedback()]
+
+    @property
+    def _current_trip(self) -> Trip:
+        assert self.trip is not None
+        return self.trip
+
+    @property
+    def _message(self) -> str:
+        return f"{self._text}; {self._reason}" if self._reason else self._text
+
+    def _status(self, now: float) -> BotStatus:
+        return BotStatus(now, self.bot, self.phase, self.bucket, self.trip, self._visits_done, self._message)
+
+    def _feedback(self) -> TripFeedback:
+        return TripFeedback(self.bot, self._current_trip.trip, self.phase, self._visits_done, self._message)

@@ -1,0 +1,225 @@
+"""The compiled heart of `Evade`: is the way clear for a bot, and if not, which velocity is best.
+
+What a bot has in its way is held in `near`, one row a disc: where it is (as if it had its new velocity already, see
+`lag`), its velocity, for how many seconds it keeps it, the distance of the centres at which the two touch, the
+distance that should be kept, and where it really is, as seen from the bot.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from soup_bots.steering.geometry import FAR, TURNS, time_to_touch_until
+
+X, Y, VX, VY, KEEPS, TOUCH, KEPT, DX, DY = range(9)
+COLUMNS = 9
+LINGER_S = 0.4  # how long a corner has to stay clear after arrival
+TOUCH_COST = 1.0  # s: weighs 1 / time to touch against deviation in maximum speeds
+NEAR_COST = 0.4  # s: the same for coming nearer than the kept distance
+SOON_S = 0.05  # touching earlier than this is no worse
+SWERVE_S = 0.4  # in which a bot can look again and turn away
+CHANGE_COST = 0.15
+LEFT_COST = 0.06
+
+
+@njit(cache=True, inline="always")
+def lag(vx, vy, wx, wy, max_a):
+    """How far a bot falls behind a constant (wx, wy) while it accelerates to it (equations 3 to 5)."""
+    ax, ay = wx - vx, wy - vy
+    share = 0.5 * math.sqrt(ax * ax + ay * ay) / max_a
+    return -ax * share, -ay * share
+
+
+@njit(cache=True)
+def way_to(px, py, vx, vy, gx, gy, dir_x, dir_y, speed, max_a):
+    """Driving to (gx, gy) as one constant velocity: where it seems to start, the velocity, for how many seconds."""
+    lag_x, lag_y = lag(vx, vy, dir_x * speed, dir_y * speed, max_a)
+    sx, sy = px + lag_x, py + lag_y
+    dx, dy = gx - sx, gy - sy
+    dist = math.sqrt(dx * dx + dy * dy)
+    if dist < 1e-9:
+        return sx, sy, 0.0, 0.0, 0.0
+    return sx, sy, dx / dist * speed, dy / dist * speed, dist / speed
+
+
+@njit(cache=True)
+def short_way(px, py, vx, vy, gx, gy, sx, sy, wx, wy, keeps_s, max_v, max_a, slow):
+    """The same for a way too short to bend into: the bot brakes first where it moves elsewhere, and starts anew.
+
+    Returns:
+        Whether that is the case, and the way; the given one (sx ... keeps_s) if the bot is on it already.
+    """
+    speed = math.sqrt(vx * vx + vy * vy)
+    dx, dy = gx - px, gy - py
+    dist = math.sqrt(dx * dx + dy * dy)
+    if speed > slow and vx * dx + vy * dy > 0.999 * speed * dist:
+        return False, sx, sy, wx, wy, keeps_s
+    px, py = px + vx * speed / (2.0 * max_a), py + vy * speed / (2.0 * max_a)
+    dx, dy = gx - px, gy - py
+    dist = math.sqrt(dx * dx + dy * dy)
+    if dist < 1e-6:
+        return True, px, py, 0.0, 0.0, 0.0
+    if dist < max_v * max_v / max_a:
+        rest_to_rest = 2.0 * math.sqrt(dist / max_a)
+    else:
+        rest_to_rest = dist / max_v + max_v / max_a
+    wx, wy = dx / rest_to_rest, dy / rest_to_rest
+    brakes = speed / max_a
+    return True, px - wx * brakes, py - wy * brakes, wx, wy, rest_to_rest + brakes
+
+
+@njit(cache=True, inline="always")
+def leaves_floor(px, py, vx, vy, floor):
+    """Whether a velocity leads off the floor (least and greatest x, and y) before it can be changed."""
+    x, y = px + SWERVE_S * vx, py + SWERVE_S * vy
+    return (
+        (vx < 0.0 and x < floor[0])
+        or (vx > 0.0 and x > floor[1])
+        or (vy < 0.0 and y < floor[2])
+        or (vy > 0.0 and y > floor[3])
+    )
+
+
+@njit(cache=True, inline="always")
+def closing_speed(near, k, wx, wy):
+    """How fast (m/s) a bot that drives at (wx, wy) presses on a disc that it touches already; 0: it does not."""
+    dx, dy, touch = near[k, DX], near[k, DY], near[k, TOUCH]
+    apart = dx * dx + dy * dy
+    if apart > touch * touch * 1.001:
+        return 0.0
+    closing = dx * (wx - near[k, VX]) + dy * (wy - near[k, VY])
+    return closing / math.sqrt(apart + 1e-12) if closing > 1e-9 else 0.0
+
+
+@njit(cache=True)
+def clear_for(near, horizon, count, px, py, wx, wy, keeps_s):
+    """Seconds until a bot comes too near to one of `near[:count]`, FAR: not within its horizon; and which one.
+
+    The bot drives from (px, py), where it seems to start (see `lag`), at (wx, wy) for `keeps_s` and stands then.
+    """
+    worst, which = FAR, -1
+    for k in range(count):
+        if closing_speed(near, k, wx, wy) > 0.0:
+            return 0.0, k
+        t = time_to_touch_until(
+            near[k, X] - px, near[k, Y] - py, wx, wy, keeps_s,
+            near[k, VX], near[k, VY], near[k, KEEPS], near[k, KEPT], LINGER_S,
+        )  # fmt: skip
+        if t < horizon[k] and t < worst:
+            worst, which = t, k
+    return worst, which
+
+
+@njit(cache=True)
+def clear_after(near, horizon, count, px, py, to_x, to_y, speed, wait_s):
+    """The same for the leg of a route that begins in `wait_s` seconds at (px, py) and leads to (to_x, to_y)."""
+    dx, dy = to_x - px, to_y - py
+    dist = math.sqrt(dx * dx + dy * dy)
+    if dist < 1e-9:
+        return FAR
+    wx, wy = dx / dist * speed, dy / dist * speed
+    worst = FAR
+    for k in range(count):
+        moves_s = min(wait_s, near[k, KEEPS])
+        t = time_to_touch_until(
+            near[k, X] + near[k, VX] * moves_s - px, near[k, Y] + near[k, VY] * moves_s - py, wx, wy, dist / speed,
+            near[k, VX], near[k, VY], near[k, KEEPS] - moves_s, near[k, KEPT], LINGER_S,
+        )  # fmt: skip
+        if t + wait_s < horizon[k] and t < worst:
+            worst = t
+    return worst
+
+
+@njit(cache=True)
+def danger(near, horizon, count, px, py, wx, wy, enough):
+    """What a constant velocity (wx, wy) costs because of what it would touch, or nearly touch.
+
+    No more than `enough` need be known. The bot seems to start at (px, py), see `lag`.
+    """
+    touch_s, near_s, push = FAR, FAR, 0.0
+    for k in range(count):
+        pressed = closing_speed(near, k, wx, wy)
+        if pressed > 0.0:
+            touch_s = 0.0
+            push = max(push, pressed)
+            continue
+        dx, dy = near[k, X] - px, near[k, Y] - py
+        t = time_to_touch_until(dx, dy, wx, wy, FAR, near[k, VX], near[k, VY], near[k, KEEPS], near[k, KEPT], LINGER_S)
+        if t >= horizon[k]:
+            continue
+        near_s = min(near_s, t)
+        if enough * max(near_s, SOON_S) <= NEAR_COST:
+            return enough
+        t = time_to_touch_until(dx, dy, wx, wy, FAR, near[k, VX], near[k, VY], near[k, KEEPS], near[k, TOUCH], LINGER_S)
+        if t < horizon[k]:
+            touch_s = min(touch_s, t)
+            if enough * max(touch_s, SOON_S) <= TOUCH_COST:
+                return enough
+    cost = push
+    if near_s < FAR:
+        cost += NEAR_COST / max(near_s, SOON_S)
+    if touch_s < FAR:
+        cost += TOUCH_COST / max(touch_s, SOON_S)
+    return cost
+
+
+@njit(cache=True)
+def keep_reachable(near, horizon, count, first, max_v):
+    """Move the discs that could be touched within their horizon at all to the front of `near`; how many they are.
+
+    Disc `first` comes first: it spoils most velocities, and the sooner that is known the better.
+    """
+    if first > 0:
+        for c in range(COLUMNS):
+            near[0, c], near[first, c] = near[first, c], near[0, c]
+        horizon[0], horizon[first] = horizon[first], horizon[0]
+    kept = 0
+    for k in range(count):
+        other = math.sqrt(near[k, VX] * near[k, VX] + near[k, VY] * near[k, VY])
+        reach = (max_v + other) * horizon[k] + near[k, KEPT]
+        if near[k, DX] * near[k, DX] + near[k, DY] * near[k, DY] <= reach * reach:
+            if kept != k:
+                near[kept, :] = near[k, :]
+                horizon[kept] = horizon[k]
+            kept += 1
+    return kept
+
+
+@njit(cache=True)
+def best_velocity(count, near, horizon, px, py, vx, vy, wx, wy, dir_x, dir_y, last_x, last_y, max_v, max_a, floor):
+    """The best candidate around the wanted velocity (wx, wy), whose direction is (dir_x, dir_y).
+
+    `floor` holds the least and the greatest x, and y, that the bot may get to.
+    """
+    best_cost = FAR
+    best_x, best_y = 0.0, 0.0
+    for c in range(2 * len(TURNS) + 2):
+        side = 0.0
+        if c == 2 * len(TURNS):
+            cx, cy = 0.0, 0.0
+        elif c > 2 * len(TURNS):
+            cx, cy = wx, wy
+        else:
+            turn = c >> 1
+            speed = max_v if c & 1 == 0 else 0.5 * max_v
+            co, si = TURNS[turn, 0], TURNS[turn, 1]
+            cx = (dir_x * co - dir_y * si) * speed
+            cy = (dir_x * si + dir_y * co) * speed
+            if si > 0.0:
+                side = LEFT_COST
+            if leaves_floor(px, py, cx, cy, floor):
+                continue
+        ex, ey = cx - wx, cy - wy
+        hx, hy = cx - last_x, cy - last_y
+        cost = side + (math.sqrt(ex * ex + ey * ey) + CHANGE_COST * math.sqrt(hx * hx + hy * hy)) / max_v
+        if cost >= best_cost:
+            continue
+        lag_x, lag_y = lag(vx, vy, cx, cy, max_a)
+        cost += danger(
+            near, horizon, count, px + lag_x, py + lag_y, cx, cy, FAR if best_cost == FAR else best_cost - cost
+        )
+        if cost < best_cost - 1e-9:
+            best_cost, best_x, best_y = cost, cx, cy
+    return best_x, best_y

@@ -1,0 +1,1 @@
+"""All parts in one process: headless runs, sweeps, reports, benchmarks, bag record and replay."""

@@ -1,0 +1,81 @@
+"""How fast the one-process run is, and how its cost grows with the number of bots."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import resource
+import time
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+from soup_lab.headless import Headless
+from soup_msgs_py.policies import Policies
+from soup_sim.setup import load_warehouse
+
+WARM_S = 60.0  # simulated seconds before the clock starts: compiled code is loaded, bots are on their way
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One measurement.
+
+    Attributes:
+        name: What ran.
+        bots: How many bots.
+        compile_s: Wall seconds until the first simulated second was over: making, compiling or loading kernels.
+        real_time_factor: Simulated seconds a wall second, after that.
+        memory_mb: Most memory that the process ever had resident.
+    """
+
+    name: str
+    bots: int
+    compile_s: float
+    real_time_factor: float
+    memory_mb: float
+
+    @property
+    def cost(self) -> float:
+        """Wall milliseconds a simulated second."""
+        return 1000.0 / self.real_time_factor
+
+
+def measure(name: str, scenario: Path, overrides: tuple[str, ...], policies: Policies, seconds: float) -> Measured:
+    """Run a scenario in this process for some simulated seconds and time it."""
+    started = time.perf_counter()
+    warehouse = load_warehouse(scenario, overrides)
+    run = Headless(warehouse.world(1), policies, 1)
+    run.run(1.0)
+    ready = time.perf_counter()
+    run.run(WARM_S)
+    begun = time.perf_counter()
+    run.run(WARM_S + seconds)
+    wall = time.perf_counter() - begun
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    return Measured(name, warehouse.scenario.bots, ready - started, seconds / wall, memory)
+
+
+def measure_apart(*arguments: object) -> Measured:
+    """The same in a process of its own, so that memory is that of one run."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(measure, *arguments).result()  # type: ignore[arg-type]
+
+
+def at_constant_density(bots: int) -> tuple[str, ...]:
+    """Overrides of paper.yaml that scale everything with the number of bots."""
+    size = math.sqrt(bots / 250.0)
+    return (
+        f"floor={{width_m: {250.0 * size:.1f}, height_m: {350.0 * size:.1f}}}",
+        f"bots={bots}",
+        f"buckets={round(3.4 * bots)}",
+        f"word_stations={bots // 10}",
+        f"letter_stations={bots // 10}",
+    )
+
+
+def growth(measured: Iterable[Measured]) -> list[float]:
+    """Cost relative to n log n, the first one being 1; no worse than n log n where it does not rise."""
+    scaled = [one.cost / (one.bots * math.log(one.bots)) for one in measured]
+    return [value / scaled[0] for value in scaled]

@@ -1,0 +1,145 @@
+"""The whole warehouse in one process: the same world and minds as live, their messages carried by a queue."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from soup_bots.crew import FOR_BOTS, Crew
+from soup_bots.steering import KNOWN as STEERING
+from soup_bots.steering.base import Steering
+from soup_managers.fleet_manager import FleetManager
+from soup_managers.letter_manager import LetterManager
+from soup_managers.policies import FLEET, LETTER, WORD, FleetPolicy, LetterPolicy, WordPolicy
+from soup_managers.view import WarehouseView
+from soup_managers.word_manager import WordManager
+from soup_msgs_py import messages as m
+from soup_msgs_py.mind import Message
+from soup_msgs_py.policies import Policies, load_policy
+from soup_sim.world import World
+
+EventSink = Callable[[m.Event], None]
+
+
+@dataclass(frozen=True)
+class Minds:
+    """The policies of a run, made from their names."""
+
+    word: WordPolicy
+    letter: LetterPolicy
+    fleet: FleetPolicy
+    bot: Steering
+
+
+def make_minds(policies: Policies) -> Minds:
+    """Make the policies that a run names.
+
+    Raises:
+        InputError: A policy does not exist or its options do not fit.
+    """
+    return Minds(
+        word=load_policy(policies.word, "word", WORD, WordPolicy),
+        letter=load_policy(policies.letter, "letter", LETTER, LetterPolicy),
+        fleet=load_policy(policies.fleet, "fleet", FLEET, FleetPolicy),
+        bot=load_policy(policies.bot, "bot", STEERING, Steering),
+    )
+
+
+class Headless:
+    """One run in one process.
+
+    Args:
+        world: The world, at its start.
+        policies: Which policies to follow.
+        seed: Seed of the minds' randomness.
+        on_event: Called with every event, in order.
+    """
+
+    def __init__(self, world: World, policies: Policies, seed: int, on_event: EventSink | None = None) -> None:
+        self.world = world
+        scenario, layout = world.scenario, world.layout
+        self._on_event = on_event
+        minds = make_minds(policies)
+        rngs = [np.random.Generator(np.random.PCG64(s)) for s in np.random.SeedSequence([seed, 1]).spawn(4)]
+        view = WarehouseView(scenario, layout)
+        profile = self.world.tile_profile
+        self.word = WordManager(scenario, layout, minds.word, view, rngs[0])
+        self.letter = LetterManager(scenario, layout, minds.letter, view, rngs[1], profile)
+        self.fleet = FleetManager(scenario, layout, minds.fleet, view, rngs[2])
+        self.crew = Crew(scenario, layout, range(scenario.bots), minds.bot, rngs[3])
+        self._all = (self.word, self.letter, self.fleet, self.crew)
+        self._queue: deque[tuple[Any, Message]] = deque()
+        self._next_sense = 0.0
+        snapshot = self.world.snapshot()
+        for mind in self._all:
+            self._say(mind, mind.handle(snapshot, 0.0))
+        self._carry()
+
+    def run(self, until: float) -> None:
+        """Run on to a simulated time."""
+        world, crew = self.world, self.crew
+        while world.now < until:
+            target = min(until, min(mind.next_wake for mind in self._all))
+            if crew.wants_to_sense:
+                target = min(target, self._next_sense)
+            target = max(target, world.now)
+            said = world.advance(target, pause=True)
+            now = world.now
+            self._say(world, said)
+            self._carry()
+            for mind in self._all:
+                if mind.next_wake <= now:
+                    self._say(mind, mind.wake(now))
+            if now >= self._next_sense and crew.wants_to_sense:
+                self._next_sense = now + crew.sense_period_s
+                self._say(crew, crew.sense(world.bots(), world.buckets(), now))
+            self._carry()
+
+    def _say(self, speaker: Any, messages: list[Message]) -> None:
+        for message in messages:
+            self._queue.append((speaker, message))
+
+    def _carry(self) -> None:
+        """Carry messages until nobody has anything left to say at this instant."""
+        queue, now, world = self._queue, self.world.now, self.world
+        while queue:
+            speaker, message = queue.popleft()
+            kind = type(message)
+            if kind is m.Event:
+                if self._on_event is not None:
+                    self._on_event(message)
+                self._say(self.word, self.word.handle(message, now))
+                self._say(self.letter, self.letter.handle(message, now))
+                self._say(self.fleet, self.fleet.handle(message, now))
+                if message.type in FOR_BOTS:
+                    self._say(self.crew, self.crew.handle(message, now))
+            elif kind in _TO_WORLD:
+                answers = world.handle(message)
+                if kind is m.AssignWord or kind is m.AssignBundle:
+                    for answer in answers:
+                        if type(answer) is m.Reply:
+                            self._say(speaker, speaker.handle(answer, now))
+                        else:
+                            queue.append((world, answer))
+                else:
+                    self._say(world, answers)
+            elif kind in _TO_CREW:
+                self._say(self.crew, self.crew.handle(message, now))
+            elif kind in _TO_FLEET:
+                self._say(self.fleet, self.fleet.handle(message, now))
+            elif kind is m.TaskFeedback or kind is m.TaskResult:
+                manager = self.word if message.kind == m.DELIVER else self.letter
+                self._say(manager, manager.handle(message, now))
+
+
+_TO_WORLD = frozenset(
+    {m.SetVelocity, m.SetVelocities, m.FollowPath, m.Grab, m.Release, m.Transfer, m.AssignWord, m.AssignBundle}
+)
+_TO_CREW = frozenset({m.BotReply, m.TripGoal, m.CancelTrip, m.DriveGoal, m.CancelDrive})
+_TO_FLEET = frozenset(
+    {m.BotStatus, m.TripFeedback, m.TripResult, m.DriveResult, m.DeliverGoal, m.StoreGoal, m.CancelTask}
+)

@@ -1,0 +1,126 @@
+"""One run from start to summary, and many runs with independent seeds on all cores."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from scipy.stats import t as student
+
+from soup_lab.headless import Headless
+from soup_msgs_py.messages import Event
+from soup_msgs_py.policies import Policies
+from soup_sim.event_log import EventLog
+from soup_sim.setup import Warehouse
+from soup_sim.summary import make_summary
+from soup_sim.validate import Judge
+
+JUDGED_EVERY_S = 10.0  # simulated seconds between two looks of the judge at all places
+Progress = Callable[[Headless], None]
+Summary = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """What to run: a warehouse, its policies, and how long (simulated s)."""
+
+    warehouse: Warehouse
+    policies: Policies
+    duration_s: float
+    warmup_s: float = 0.0
+
+
+def run_once(plan: RunPlan, seed: int, event_log: IO[str] | None = None, progress: Progress | None = None) -> Summary:
+    """Run a warehouse in this process and judge it.
+
+    Args:
+        plan: What to run.
+        seed: Seed of all randomness.
+        event_log: Where to write events as JSON lines.
+        progress: Called every few simulated seconds.
+
+    Returns:
+        The summary.
+    """
+    warehouse = plan.warehouse
+    judges: list[Judge] = []
+    log = EventLog(event_log) if event_log is not None else None
+
+    def on_event(event: Event) -> None:
+        judges[0].event(event)
+        if log is not None:
+            log(event)
+
+    started = time.perf_counter()
+    world = warehouse.world(seed, plan.warmup_s)
+    judges.append(Judge(warehouse.scenario, warehouse.layout, world.snapshot()))
+    run = Headless(world, plan.policies, seed, on_event)
+    now = 0.0
+    while now < plan.duration_s:
+        now = min(now + JUDGED_EVERY_S, plan.duration_s)
+        run.run(now)
+        judges[0].poses(world.bots(), world.buckets())
+        if progress is not None:
+            progress(run)
+    judges[0].finish(world.snapshot())
+    figures = world.statistics(time.perf_counter() - started)
+    return make_summary(figures, warehouse.scenario, plan.policies, seed, judges[0].count)
+
+
+def run_many(plan: RunPlan, seeds: list[int], processes: int | None = None) -> Iterator[Summary]:
+    """Run a plan once a seed, on all cores; summaries as they come.
+
+    Args:
+        plan: What to run.
+        seeds: One a run.
+        processes: How many at once; without: one a core.
+    """
+    spawn = multiprocessing.get_context("spawn")
+    workers = min(processes or len(os.sched_getaffinity(0)), len(seeds))
+    with ProcessPoolExecutor(workers, mp_context=spawn) as pool:
+        waiting = {pool.submit(run_once, plan, seed) for seed in seeds}
+        try:
+            while waiting:
+                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+                for future in done:
+                    yield future.result()
+        except BaseException:
+            for process in list(pool._processes.values()):
+                process.terminate()
+            raise
+
+
+def combine(summaries: list[Summary]) -> Summary:
+    """The mean of each figure over independent runs, with the half width of its 95 % interval.
+
+    Returns:
+        A summary of means; `interval_95` holds the half widths, `replications` the single summaries.
+    """
+    summaries = sorted(summaries, key=lambda summary: summary["seed"])
+    first, n = summaries[0], len(summaries)
+    means: Summary = {}
+    widths: dict[str, float] = {}
+    for key, value in first.items():
+        if isinstance(value, (int, float)) and key not in ("seed", "violations"):
+            values = [float(summary[key]) for summary in summaries]
+            mean = sum(values) / n
+            means[key] = mean
+            spread = (sum((v - mean) ** 2 for v in values) / (n - 1)) ** 0.5 if n > 1 else 0.0
+            widths[key] = float(student.ppf(0.975, n - 1)) * spread / n**0.5 if n > 1 else 0.0
+        else:
+            means[key] = value
+    means["violations"] = sum(summary["violations"] for summary in summaries)
+    means["interval_95"] = widths
+    means["replications"] = summaries
+    return means
+
+
+def open_log(path: Path) -> IO[str]:
+    """A file for an event log; the caller closes it."""
+    return path.open("w", encoding="utf-8", buffering=1 << 20)

@@ -1,0 +1,227 @@
+"""A live warehouse from one command: all nodes as processes, a line of progress, the table at the end."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from soup_msgs import msg
+from std_srvs.srv import SetBool
+
+from soup_lab.headless import make_minds
+from soup_lab.processes import Part, Processes
+from soup_msgs_py import arguments as args
+from soup_msgs_py import topics
+from soup_msgs_py.errors import RunError
+from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
+from soup_msgs_py.live.process import Live, exit_status
+from soup_msgs_py.live.report import PartsWatch
+from soup_msgs_py.policies import ROLES, load_policies
+from soup_msgs_py.qos import DISPLAY
+from soup_msgs_py.wire import from_statistics
+from soup_sim.setup import load_warehouse
+from soup_sim.summary import table, write_summary
+
+WORLD = "world"
+FLEET = "fleet manager"
+OTHERS = 5  # processes besides the bots'
+BOTS_A_PROCESS = 64  # where the machine has that many cores
+READY_S, READY_A_BOT_S = 180.0, 0.5  # the longest start: code is compiled in the first one
+PLAIN_PROGRESS_S = 10.0  # between two lines where no terminal is
+
+
+def parse(argv: Sequence[str] | None, scenario: Path | None, policies: Path | None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = args.Parser("Run a live warehouse: world, bots and managers as ROS 2 nodes in their own processes.")
+    args.add_scenario(parser, scenario)
+    args.add_policies(parser, policies, ROLES)
+    args.add_run(parser)
+    args.add_speed(parser)
+    parser.add_argument("--bot-processes", type=args.processes, metavar="N", help="processes that share the bots")
+    parser.add_argument("--no-dashboard", action="store_true", help="without the browser page")
+    parser.add_argument("--port", type=args.port, default=8080, help="of the browser page")
+    parser.add_argument("--record", metavar="DIR", help="comes later")
+    parser.add_argument("--explain", metavar="FILE", help="comes later")
+    options = parser.parse_args(argv)
+    args.check_run(parser, options)
+    for name in ("record", "explain"):
+        if getattr(options, name) is not None:
+            parser.error(f"--{name}: comes later; allowed: a run without it")
+    return options
+
+
+def main(argv: Sequence[str] | None = None, *, scenario: Path | None = None, policies: Path | None = None) -> int:
+    """Run a live warehouse; the exit status."""
+    options = parse(argv, scenario, policies)
+    return exit_status(lambda: run(options))
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check everything, then start, watch and end the processes.
+
+    Raises:
+        InputError: Anything is wrong; nothing was started.
+        RunError: A part died, or did not get ready.
+    """
+    policies = load_policies(options.policies, {role: getattr(options, f"{role}_policy") for role in ROLES})
+    warehouse = load_warehouse(options.scenario, options.set)
+    make_minds(policies)
+    if not options.no_dashboard:
+        args.refuse_port_in_use(options.port)
+    bots = warehouse.scenario.bots
+    groups = bot_groups(bots, options.bot_processes)
+    stay_on_this_machine(len(groups) + OTHERS)
+    console = Console()
+    with Live("warehouse") as live, tempfile.TemporaryDirectory() as folder:
+        node = live.node("warehouse")
+        refuse_second_world(live, node)
+        if live.stopping:
+            return 130
+        console.print(f"words: {warehouse.words.describe()}", highlight=False)
+        summary_file = Path(folder) / "summary.json"
+        parts = make_parts(options, groups, summary_file)
+        processes = Processes()
+        show = Progress(console, options.duration)
+        try:
+            watch = PartsWatch(live, node)
+            live.subscribe(node, msg.Statistics, topics.STATISTICS, lambda m: show(from_statistics(m)), DISPLAY)
+            for part in parts:
+                processes.start(part)
+            get_ready(live, node, processes, watch, [part.name for part in parts], bots)
+            live.spin(lambda: bool(processes.dead()))
+            show.close()
+            if not live.stopping and processes.status(WORLD) != 0:
+                raise RunError(obituary(processes))
+        finally:
+            show.close()
+            processes.end()
+        if not summary_file.exists():
+            raise RunError(f"{WORLD} {processes.last_words(WORLD)}")
+        summary = json.loads(summary_file.read_text(encoding="utf-8"))
+    console.print(table(summary))
+    if options.summary is not None:
+        write_summary(options.summary, summary)
+    if summary["violations"]:
+        raise RunError(f"{summary['violations']} conservation laws were broken")
+    return 130 if live.ended_by and options.duration is not None else 0
+
+
+def bot_groups(bots: int, processes: int | None) -> list[tuple[int, ...]]:
+    """Which bots share a process."""
+    count = processes or min(os.cpu_count() or 1, math.ceil(bots / BOTS_A_PROCESS))
+    count = min(count, bots)
+    edges = [bots * k // count for k in range(count + 1)]
+    return [tuple(range(low, high)) for low, high in pairwise(edges)]
+
+
+def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], summary: Path) -> list[Part]:
+    """All processes of the warehouse."""
+    world = ["--scenario", str(options.scenario), "--summary", str(summary), "--paused"]
+    world += ["--speed", repr(options.speed), "--warmup", repr(options.warmup), "--seed", str(options.seed)]
+    world += [f"--set={override}" for override in options.set]
+    if options.duration is not None:
+        world += ["--duration", repr(options.duration)]
+    if options.event_log is not None:
+        world += ["--event-log", str(options.event_log)]
+    parts = [Part(WORLD, "soup_sim.world_node", tuple(world))]
+    for role in ("word", "letter", "fleet"):
+        module = f"soup_managers.{role}_manager_node"
+        parts.append(Part(f"{role} manager", module, policy_arguments(options, role)))
+    for group in groups:
+        numbers = args.written_bots(group)
+        arguments = (numbers, *policy_arguments(options, "bot"))
+        parts.append(Part(f"bots {numbers}", "soup_bots.bot_node", arguments))
+    if not options.no_dashboard:
+        parts.append(Part("dashboard", "soup_dashboard.dashboard_node", ("--port", str(options.port))))
+    return parts
+
+
+def policy_arguments(options: argparse.Namespace, role: str) -> tuple[str, ...]:
+    """What tells a part its policy."""
+    arguments = ["--seed", str(options.seed)]
+    if options.policies is not None:
+        arguments += ["--policies", str(options.policies)]
+    override = getattr(options, f"{role}_policy")
+    if override is not None:
+        arguments += ["--policy", override]
+    return tuple(arguments)
+
+
+def get_ready(live: Live, node: Any, processes: Processes, watch: PartsWatch, names: list[str], bots: int) -> None:
+    """Wait until every part is at work, then let time go on, so that all runs begin alike.
+
+    Raises:
+        RunError: A part died, or takes too long.
+    """
+
+    def ready() -> bool:
+        if processes.dead():
+            raise RunError(obituary(processes))
+        fleet = watch.at_work.get(FLEET, {})
+        return all(name in watch.at_work for name in names) and fleet.get("bots") == str(bots)
+
+    if not live.spin(ready, READY_S + READY_A_BOT_S * bots):
+        if live.stopping:
+            return
+        late = [f"{name} {watch.waiting.get(name, 'is not heard')}" for name in names if name not in watch.at_work]
+        raise RunError(f"not ready after {READY_S + READY_A_BOT_S * bots:g} s: {'; '.join(late) or 'the fleet'}")
+    client = node.create_client(SetBool, topics.PAUSE)
+    live.spin(client.service_is_ready, READY_S)
+    answer = client.call_async(SetBool.Request(data=False))
+    if not live.spin(answer.done, READY_S) and not live.stopping:
+        raise RunError("the world does not answer")
+
+
+def obituary(processes: Processes) -> str:
+    """Which part died, and why."""
+    return "; ".join(f"{name} {processes.last_words(name)}" for name in processes.dead())
+
+
+class Progress:
+    """The line that tells how the run goes: rewritten on a terminal, now and then a new one elsewhere."""
+
+    def __init__(self, console: Console, duration: float | None) -> None:
+        """Begin with nothing shown.
+
+        Args:
+            console: Where to show it.
+            duration: Simulated seconds of the run, if it has an end.
+        """
+        self._console = console
+        self._of = f" of {duration:,.0f}" if duration is not None else ""
+        self._status = console.status("the parts are starting") if console.is_terminal else None
+        self._next = 0.0
+        if self._status is not None:
+            self._status.start()
+
+    def __call__(self, figures: dict[str, float | int]) -> None:
+        """Show the newest figures."""
+        line = (
+            f"{figures['sim_seconds']:,.0f}{self._of} s · words {figures['words_completed']} · letters "
+            f"{figures['letters_in_words']} · collisions {figures['bot_collisions']} + "
+            f"{figures['bucket_collisions']} · real-time factor {figures['real_time_factor']:.2f}"
+        )
+        if self._status is not None:
+            self._status.update(line)
+        elif time.monotonic() >= self._next and figures["sim_seconds"] > 0:
+            self._next = time.monotonic() + PLAIN_PROGRESS_S
+            self._console.print(line, highlight=False)
+
+    def close(self) -> None:
+        """Take the line away. Can be called twice."""
+        if self._status is not None:
+            self._status.stop()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

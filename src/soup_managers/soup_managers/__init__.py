@@ -1,0 +1,1 @@
+"""The managers of the warehouse: word, letter and fleet manager, their policies, and the router."""

@@ -1,0 +1,180 @@
+"""The fleet manager's node: serves the fleet's two actions, and asks each bot for trips."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from rclpy.action.server import ServerGoalHandle
+from rclpy.serialization import deserialize_message
+from soup_msgs import action, msg
+
+from soup_managers.fleet_manager import FleetManager
+from soup_managers.policies import FLEET, FleetPolicy
+from soup_managers.router import Router
+from soup_managers.station_manager_node import role_rng, run_manager
+from soup_managers.view import WarehouseView
+from soup_msgs_py import topics
+from soup_msgs_py.codes import Code
+from soup_msgs_py.live.actions import GoalClient, GoalServer
+from soup_msgs_py.live.follower import Follower
+from soup_msgs_py.live.process import Live
+from soup_msgs_py.live.report import Report
+from soup_msgs_py.messages import (
+    DELIVER,
+    STORE,
+    BotStatus,
+    CancelTask,
+    CancelTrip,
+    TaskFeedback,
+    TaskResult,
+    Tasks,
+    TaskState,
+    TripGoal,
+    TripResult,
+)
+from soup_msgs_py.mind import Message
+from soup_msgs_py.policies import PolicyChoice, load_policy
+from soup_msgs_py.qos import DISPLAY, LATCHED
+from soup_msgs_py.wire import Announcement, from_ros, to_ros, trip_feedback
+
+TASKS_PERIOD_S = 0.5
+NOT_YET = "the fleet manager waits for the world"
+LOOK_AT_BOTS_S = 0.2
+
+
+class FleetManagerNode:
+    """Node `/fleet_manager`."""
+
+    def __init__(self, live: Live, choice: PolicyChoice, seed: int) -> None:
+        """Make the node; the bots are looked for when the world has told how many there are.
+
+        Args:
+            live: The process.
+            choice: The fleet policy.
+            seed: Seed of its random numbers.
+        """
+        self._live, self._choice, self._seed = live, choice, seed
+        self._node = node = live.node(topics.FLEET_MANAGER_NODE)
+        self._tasks = node.create_publisher(msg.Tasks, topics.TASKS, LATCHED)
+        self._published: tuple[TaskState, ...] | None = None
+        self._servers = {
+            DELIVER: self._serve(DELIVER, action.DeliverLetters, topics.DELIVER_LETTERS),
+            STORE: self._serve(STORE, action.StoreBundle, topics.STORE_BUNDLE),
+        }
+        self._goals: dict[tuple[str, int], list[ServerGoalHandle]] = {}
+        self._bots: dict[int, GoalClient] = {}
+        self._silent: dict[int, BotStatus] = {}  # newest status of bots whose trip action is not seen yet
+        self._known: set[int] = set()
+        self._report = Report(live, node)
+        self._report.values = {"policy": choice.name, "bots": "0"}
+        self._carriers: dict[type, Callable[[Any], None]] = {
+            TaskFeedback: self._tell_task,
+            TaskResult: self._end_task,
+            TripGoal: self._ask_bot,
+            CancelTrip: lambda m: self._bots[m.bot].cancel(m.trip),
+        }
+        self._follower = Follower(live, node, self._report, self._make_mind, self._carry, lambda: "")
+        live.subscribe(node, msg.Bots, topics.BOTS, self._on_poses, DISPLAY, raw=True)
+        self._poses = b""
+        live.every(TASKS_PERIOD_S, self._look_at_fleet)
+        live.every(LOOK_AT_BOTS_S, self._look_at_bots)
+
+    def _make_mind(self, world: Announcement) -> FleetManager:
+        for bot in range(len(self._bots), world.scenario.bots):
+            self._bots[bot] = GoalClient(self._live, self._node, action.CarryTrip, topics.bot_topic(bot, topics.TRIP))
+            status = topics.bot_topic(bot, topics.STATUS)
+            self._live.follow(self._node, msg.BotStatus, status, self._on_status, LATCHED)
+        policy = load_policy(self._choice, "fleet", FLEET, FleetPolicy)
+        view = WarehouseView(world.scenario, world.layout)
+        router = Router(world.layout)
+        # compiled code is loaded now, not while bots wait for their first trip
+        router.route(int(world.layout.storage_spots[0]), int(world.layout.word_stations[0]))
+        rng = role_rng("fleet", self._seed)
+        return FleetManager(world.scenario, world.layout, policy, view, rng, router)
+
+    # ---- the other managers -------------------------------------------------------------------------------
+
+    def _serve(self, kind: str, action_type: Any, name: str) -> GoalServer:
+        def accept(handle: ServerGoalHandle) -> None:
+            goal = from_ros(handle.request)
+            self._goals.setdefault((kind, goal.task), []).append(handle)
+            if self._follower.mind is None:
+                self._end_task(TaskResult(kind, goal.task, Code.BUSY, NOT_YET))
+            else:
+                self._follower.tell(goal)
+
+        def cancel(handle: ServerGoalHandle) -> None:
+            self._follower.tell(CancelTask(kind, handle.request.task))
+
+        return GoalServer(self._live, self._node, action_type, name, accept=accept, cancel=cancel, check=from_ros)
+
+    def _tell_task(self, feedback: TaskFeedback) -> None:
+        for handle in self._goals.get((feedback.kind, feedback.task), ()):
+            handle.publish_feedback(to_ros(feedback))
+
+    def _end_task(self, result: TaskResult) -> None:
+        for handle in self._goals.pop((result.kind, result.task), ()):
+            self._servers[result.kind].finish(handle, result.code, result.message)
+
+    # ---- the bots -----------------------------------------------------------------------------------------
+
+    def _on_status(self, status: BotStatus) -> None:
+        if status.bot in self._known:
+            self._follower.tell(status)
+        elif status.bot in self._bots:
+            self._silent[status.bot] = status
+
+    def _look_at_bots(self) -> None:
+        """A bot counts as soon as it can be asked for trips."""
+        for bot in [bot for bot in self._silent if self._bots[bot].ready]:
+            self._known.add(bot)
+            self._follower.tell(self._silent.pop(bot))
+        self._report.values["bots"] = str(len(self._known))
+
+    def _ask_bot(self, goal: TripGoal) -> None:
+        bot, trip = goal.bot, goal.trip.trip
+
+        def on_feedback(feedback: Any) -> None:
+            self._follower.tell(trip_feedback(feedback, bot, trip))
+
+        def on_result(code: Code, message: str) -> None:
+            self._follower.tell(TripResult(bot, trip, code, message))
+
+        self._bots[bot].send(trip, to_ros(goal), on_feedback, on_result)
+
+    # ---- now and then -------------------------------------------------------------------------------------
+
+    def _on_poses(self, cdr: bytes) -> None:
+        self._poses = cdr
+
+    def _look_at_fleet(self) -> None:
+        mind = self._follower.mind
+        if not isinstance(mind, FleetManager) or not self._follower.in_step:
+            return
+        if self._poses:
+            self._follower.tell(from_ros(deserialize_message(self._poses, msg.Bots)))
+            self._poses = b""
+        tasks = mind.tasks()
+        if tasks != self._published:
+            self._published = tasks
+            self._tasks.publish(to_ros(Tasks(self._follower.now, tasks)))
+
+    def _carry(self, messages: list[Message]) -> None:
+        for message in messages:
+            self._carriers[type(message)](message)
+
+
+def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> int:
+    """Run the fleet manager in this process; its exit status."""
+
+    def check(choice: PolicyChoice) -> None:
+        load_policy(choice, "fleet", FLEET, FleetPolicy)
+
+    return run_manager(argv, "fleet", policies, check, FleetManagerNode)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

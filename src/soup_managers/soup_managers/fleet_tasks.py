@@ -1,0 +1,184 @@
+"""The fleet's tasks: which letters each still has to have moved, and why they wait."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from soup_managers.letter_queue import LetterQueue
+from soup_managers.plans import Key, Letter, Place
+from soup_msgs_py.messages import DELIVER, DeliverGoal, StoreGoal
+
+
+@dataclass(slots=True, eq=False)
+class Task:
+    """A task that a word or letter manager asked for.
+
+    Attributes:
+        kind: DELIVER or STORE.
+        number: As its manager numbered it.
+        station: Where its letters come together.
+        job: The word or bundle.
+        missing: Tiles that are still to be moved, promised ones included.
+        seen: The event up to which `missing` is true.
+        waiting: Its letters that no trip has promised to move, by tile kind.
+        told: What its manager was last told: missing tiles and reason.
+    """
+
+    kind: str
+    number: int
+    station: int
+    job: int
+    missing: list[int]
+    seen: int
+    waiting: dict[int, list[Letter]] = field(default_factory=dict)
+    told: tuple[int, str] | None = None
+
+    @property
+    def key(self) -> Key:
+        """What its letters are for."""
+        return self.kind, self.job
+
+
+class TaskBook:
+    """All tasks, their waiting letters in one queue, and how many letters trips have promised to move.
+
+    For each task and tile kind, letters waiting and letters promised together are never more than are
+    missing: so no letter is moved twice.
+
+    Attributes:
+        tasks: In the order of arrival.
+        queue: The waiting letters.
+        changed: Tasks whose managers may have to be told something, as an ordered set.
+    """
+
+    def __init__(self) -> None:
+        self.tasks: dict[Key, Task] = {}
+        self.queue = LetterQueue()
+        self.changed: dict[Key, Task] = {}
+        self._promised: dict[Key, dict[int, int]] = {}
+        self._arrivals = 0
+
+    def accept(self, task: Task) -> None:
+        """Take a task on. Letters that trips have promised already are not asked for again."""
+        self._arrivals += 1
+        self.tasks[task.key] = task
+        self.changed[task.key] = task
+        promised = dict(self._promised.get(task.key, {}))
+        for number, tile in enumerate(task.missing):
+            if promised.get(tile, 0) > 0:
+                promised[tile] -= 1
+            else:
+                self._wait(task, Letter((self._arrivals, number), task.key, task.station, tile))
+
+    def remove(self, key: Key) -> None:
+        """Forget a task; what trips have promised stays in the books until they end."""
+        task = self.tasks.pop(key)
+        self.changed.pop(key, None)
+        for letters in task.waiting.values():
+            for letter in letters:
+                self._drop(letter)
+
+    def numbered(self, kind: str, number: int) -> Task | None:
+        """The task of a manager."""
+        # its managers give a task the number of its job, but anyone may ask the fleet
+        task = self.tasks.get((kind, number))
+        if task is not None and task.number == number:
+            return task
+        return next((task for task in self.tasks.values() if task.kind == kind and task.number == number), None)
+
+    def promise(self, letter: Letter) -> None:
+        """A trip is to move a letter."""
+        letter.place = Place.PROMISED
+        promised = self._promised.setdefault(letter.key, {})
+        promised[letter.tile] = promised.get(letter.tile, 0) + 1
+        task = self.tasks.get(letter.key)
+        if task is not None:
+            self.changed[task.key] = task
+            letters = task.waiting.get(letter.tile, [])
+            if letter in letters:
+                letters.remove(letter)
+
+    def take_back(self, letter: Letter) -> None:
+        """A trip did not move a letter: it waits again at its old place in the order, if still missing."""
+        self._fulfil(letter)
+        task = self.tasks.get(letter.key)
+        if task is None:
+            return
+        self.changed[task.key] = task
+        if self._accounted(task, letter.tile) < task.missing.count(letter.tile):
+            self._wait(task, letter)
+
+    def moved(self, key: Key, tile: int, sequence: int, promised: Letter | None) -> None:
+        """A tile was moved, as an event told: by the trip that had promised that letter, or by another."""
+        if promised is not None:
+            self._fulfil(promised)
+        task = self.tasks.get(key)
+        if task is None:
+            return
+        self.changed[key] = task
+        if sequence > task.seen and tile in task.missing:
+            task.missing.remove(tile)
+        waiting = task.waiting.get(tile)
+        while waiting and self._accounted(task, tile) > task.missing.count(tile):
+            self._drop(waiting.pop())
+        if promised is not None and self._accounted(task, tile) < task.missing.count(tile):
+            # the task was counted when this move was known already, but still promised: another letter is lacking
+            self._wait(task, Letter(promised.order, key, task.station, tile))
+
+    def set_missing(self, task: Task, missing: Iterable[int], sequence: int) -> None:
+        """Take over from the world what a task lacks, where the transfers do not tell."""
+        self.remove(task.key)
+        task.missing = list(missing)
+        task.seen = sequence
+        task.waiting = {}
+        self.accept(task)
+
+    def reason(self, task: Task) -> str:
+        """Why a task waits; empty where all its letters are on their way."""
+        reason = ""
+        for letters in task.waiting.values():
+            for letter in letters:
+                if letter.place is Place.DEFERRED:
+                    return letter.reason
+                reason = "all bots are busy"
+        return reason
+
+    def _accounted(self, task: Task, tile: int) -> int:
+        return len(task.waiting.get(tile, ())) + self._promised.get(task.key, {}).get(tile, 0)
+
+    def _wait(self, task: Task, letter: Letter) -> None:
+        task.waiting.setdefault(letter.tile, []).append(letter)
+        self.queue.add(letter)
+
+    def _drop(self, letter: Letter) -> None:
+        queued = letter.place is Place.QUEUED
+        letter.place = Place.GONE
+        if queued:
+            # it may be the one that a free bucket brought back: another may have its chance
+            self.queue.bring_back(letter.tile if letter.key[0] == DELIVER else LetterQueue.ROOM)
+
+    def _fulfil(self, letter: Letter) -> None:
+        letter.place = Place.GONE
+        promised = self._promised[letter.key]
+        promised[letter.tile] -= 1
+        if not promised[letter.tile]:
+            del promised[letter.tile]
+            if not promised:
+                del self._promised[letter.key]
+
+
+def goal_tiles(goal: DeliverGoal | StoreGoal) -> tuple[int, ...]:
+    """The tiles that a goal asks to have moved."""
+    return goal.tiles if isinstance(goal, DeliverGoal) else (goal.tile,) * goal.count
+
+
+def common_tiles(asked: Iterable[int], left: Iterable[int]) -> list[int]:
+    """The tiles that were asked for and are still missing, each as often as in both."""
+    rest = list(left)
+    common = []
+    for tile in asked:
+        if tile in rest:
+            rest.remove(tile)
+            common.append(tile)
+    return common

@@ -1,0 +1,71 @@
+"""The letter manager: decides which letters come in and has the fleet store them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from soup_managers.policies.letter import LetterPolicy
+from soup_managers.station_manager import StationManager
+from soup_managers.view import WarehouseView
+from soup_msgs_py.codes import EventType
+from soup_msgs_py.layout import Floats, Layout
+from soup_msgs_py.messages import STORE, AssignBundle, Event, StoreGoal
+from soup_msgs_py.mind import Message
+from soup_msgs_py.scenario import Scenario
+
+
+class LetterManager(StationManager):
+    """Stages bundles where a letter station has a place free; each staged bundle is a task of the fleet."""
+
+    kind = STORE
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        layout: Layout,
+        policy: LetterPolicy,
+        view: WarehouseView,
+        rng: np.random.Generator,
+        tile_profile: Floats,
+    ) -> None:
+        """Make a letter manager.
+
+        Args:
+            scenario: The warehouse.
+            layout: Its floor.
+            policy: What decides.
+            view: What it knows of the world.
+            rng: For the policy's random draws.
+            tile_profile: Expected share of each tile kind in all tiles, shape (kinds,).
+        """
+        words = len(layout.word_stations)
+        super().__init__(view, range(words, words + len(layout.letter_stations)))
+        self._policy = policy
+        self._rng = rng
+        self._target = tile_profile * (scenario.initial_inventory * scenario.buckets * scenario.bucket.capacity)
+
+    def on_event(self, event: Event, now: float) -> list[Message]:
+        """A bundle that was staged is to be stored; a place or a gap in the stock is to be filled."""
+        kind = event.type
+        if kind is EventType.BUNDLE_STAGED:
+            return self.assigned(event.job, event.station, event.tile, now)
+        fills = kind is EventType.BUNDLE_EMPTIED or kind is EventType.BUNDLE_ARRIVED or kind is EventType.WORD_ASSIGNED
+        consumed = kind is EventType.TRANSFERRED and event.station < self._stations.start
+        return self.fill_places(now) if fills or consumed else []
+
+    def jobs(self) -> Iterable[int]:
+        """All staged bundles."""
+        return self.view.staged_bundles
+
+    def goal(self, job: int) -> StoreGoal | None:
+        """The tiles that are still in a bundle."""
+        bundle = self.view.staged_bundles.get(job)
+        if bundle is None or bundle.count <= 0:
+            return None
+        return StoreGoal(job, bundle.station, job, bundle.tile, bundle.count)
+
+    def choose(self, free: list[int]) -> AssignBundle | None:
+        """What the letter policy says."""
+        return self._policy.choose(self.view, free, self._target, self._rng)

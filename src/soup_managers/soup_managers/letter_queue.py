@@ -1,0 +1,76 @@
+"""The letters that wait to be moved: first in, first out, those set aside that nothing can be done for."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, KeysView
+
+from soup_managers.plans import Letter, Place
+
+_Entry = tuple[tuple[int, int], int, Letter]
+
+
+class LetterQueue:
+    """Waiting letters in the order of their tasks' arrival.
+
+    A letter is set aside under what it waits for: its tile kind, or `ROOM` in a bucket. Each bucket that
+    becomes free brings one such letter back, the oldest, because one is what the bucket can serve at once.
+    """
+
+    ROOM = -1
+
+    def __init__(self) -> None:
+        self._queue: list[_Entry] = []
+        self._aside: dict[int, list[_Entry]] = {}
+        self._serial = 0
+
+    def add(self, letter: Letter) -> None:
+        """Put a letter at its place in the order."""
+        letter.place = Place.QUEUED
+        heapq.heappush(self._queue, self._entry(letter))
+
+    def defer(self, letter: Letter, until: int) -> None:
+        """Set a queued letter aside until a bucket with that tile kind, or `ROOM`, becomes free."""
+        letter.place = Place.DEFERRED
+        heapq.heappush(self._aside.setdefault(until, []), self._entry(letter))
+
+    def bring_back(self, until: int) -> Letter | None:
+        """Queue the oldest of the letters that wait for a tile kind or for `ROOM`."""
+        waiting = self._aside.get(until)
+        while waiting:
+            letter = heapq.heappop(waiting)[2]
+            if not waiting:
+                del self._aside[until]
+            if letter.place is Place.DEFERRED:
+                self.add(letter)
+                return letter
+        return None
+
+    @property
+    def awaited(self) -> KeysView[int]:
+        """What letters are set aside for: tile kinds and `ROOM`."""
+        return self._aside.keys()
+
+    def __bool__(self) -> bool:
+        """Whether letters are queued that are not set aside."""
+        queue = self._queue
+        while queue and queue[0][2].place is not Place.QUEUED:
+            heapq.heappop(queue)
+        return bool(queue)
+
+    def in_order(self) -> Iterator[Letter]:
+        """The queued letters. While it runs, letters may be promised, set aside or dropped."""
+        passed: list[_Entry] = []
+        try:
+            while self:
+                entry = self._queue[0]
+                yield entry[2]
+                if entry[2].place is Place.QUEUED and self._queue and self._queue[0] is entry:
+                    passed.append(heapq.heappop(self._queue))
+        finally:
+            for entry in passed:
+                heapq.heappush(self._queue, entry)
+
+    def _entry(self, letter: Letter) -> _Entry:
+        self._serial += 1  # letters themselves have no order
+        return letter.order, self._serial, letter

@@ -1,0 +1,46 @@
+"""Word policies: which waiting word is opened on which word station."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+
+from soup_managers.view import WarehouseView
+from soup_msgs_py.messages import AssignWord
+
+
+class WordPolicy(ABC):
+    """Decides what the word stations work at. Extend it and implement `choose`; nothing else is needed.
+
+    A policy gets its options from the policies file as keyword arguments of its constructor.
+
+    Example:
+        class NewestFirst(WordPolicy):
+            def choose(self, view, stations, rng):
+                return AssignWord(max(view.waiting_words), stations[0])
+    """
+
+    @abstractmethod
+    def choose(self, view: WarehouseView, stations: Sequence[int], rng: np.random.Generator) -> AssignWord | None:
+        """Open one word; asked again while words wait and places are free.
+
+        Args:
+            view: The warehouse. `view.waiting_words` holds at least one word.
+            stations: The word stations with a free place, in order; at least one.
+            rng: For all random draws.
+
+        Returns:
+            A waiting word and one of the stations, or None: rather none now. Then it is asked again when a
+            word arrives, a place becomes free or a second has passed.
+        """
+
+
+class Minimal(WordPolicy):
+    """The paper's example: the oldest waiting word goes to the station with the fewest open words."""
+
+    def choose(self, view: WarehouseView, stations: Sequence[int], rng: np.random.Generator) -> AssignWord | None:
+        """First word, emptiest station; of equals the first."""
+        station = max(stations, key=view.free_places.__getitem__)
+        return AssignWord(next(iter(view.waiting_words)), station)

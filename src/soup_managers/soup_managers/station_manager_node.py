@@ -1,0 +1,129 @@
+"""What the nodes of the word and the letter manager share: a service of the world, an action of the fleet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from soup_msgs_py.arguments import Parser, seed
+from soup_msgs_py.codes import Code
+from soup_msgs_py.live.actions import GoalClient
+from soup_msgs_py.live.domain import stay_on_this_machine
+from soup_msgs_py.live.follower import Follower
+from soup_msgs_py.live.process import Live, exit_status
+from soup_msgs_py.live.report import Report
+from soup_msgs_py.messages import AssignBundle, AssignWord, CancelTask, DeliverGoal, StoreGoal, TaskResult
+from soup_msgs_py.mind import Message, Mind
+from soup_msgs_py.policies import PolicyChoice, load_policies
+from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
+
+ROLES = ("word", "letter", "fleet")
+LOOK_FOR_FLEET_S = 1.0
+
+
+def role_rng(role: str, seed: int) -> np.random.Generator:
+    """The random numbers of a manager; the same as in one process."""
+    child = np.random.SeedSequence([seed, 1]).spawn(len(ROLES))[ROLES.index(role)]
+    return np.random.Generator(np.random.PCG64(child))
+
+
+class StationManagerNode:
+    """Node of a manager that fills stations and asks the fleet."""
+
+    def __init__(
+        self,
+        live: Live,
+        name: str,
+        kind: str,
+        make_mind: Callable[[Announcement], Mind],
+        *,
+        service: tuple[Any, str],
+        action: tuple[Any, str],
+        policy: str,
+    ) -> None:
+        """Make the node.
+
+        Args:
+            live: The process.
+            name: Of the node.
+            kind: Of the tasks, DELIVER or STORE.
+            make_mind: Makes the manager for a world.
+            service: Type and name of the world's service.
+            action: Type and name of the fleet's action.
+            policy: Name of the policy, for the report.
+        """
+        self._live, self._kind = live, kind
+        node = live.node(name)
+        self._world = node.create_client(*service)
+        self._fleet = GoalClient(live, node, *action)
+        self._waits_for_fleet = f"waits for the fleet manager (nobody serves {action[1]})"
+        self._waits_for_world = f"waits for the world (nobody serves {service[1]})"
+        self._report = Report(live, node)
+        self._report.values = {"policy": policy}
+        self._follower = Follower(live, node, self._report, make_mind, self._carry, self._missing)
+        live.every(LOOK_FOR_FLEET_S, self._fleet.look)
+
+    def _missing(self) -> str:
+        if not self._world.service_is_ready():
+            return self._waits_for_world
+        return "" if self._fleet.ready else self._waits_for_fleet
+
+    def _carry(self, messages: list[Message]) -> None:
+        for message in messages:
+            match message:
+                case AssignWord() | AssignBundle():
+                    self._world.call_async(to_ros(message)).add_done_callback(self._live.guard(self._on_reply))
+                case DeliverGoal() | StoreGoal():
+                    self._ask_fleet(message)
+                case CancelTask():
+                    self._fleet.cancel(message.task)
+
+    def _on_reply(self, future: Any) -> None:
+        self._follower.tell(from_ros(future.result()))
+
+    def _ask_fleet(self, goal: DeliverGoal | StoreGoal) -> None:
+        kind, task = self._kind, goal.task
+
+        def on_feedback(feedback: Any) -> None:
+            self._follower.tell(task_feedback(feedback, kind, task))
+
+        def on_result(code: Code, message: str) -> None:
+            self._follower.tell(TaskResult(kind, task, code, message))
+
+        self._fleet.send(task, to_ros(goal), on_feedback, on_result)
+
+
+def run_manager(
+    argv: Sequence[str] | None,
+    role: str,
+    policies: Path | None,
+    check: Callable[[PolicyChoice], object],
+    make_node: Callable[[Live, PolicyChoice, int], object],
+) -> int:
+    """The program of any manager; its exit status.
+
+    Args:
+        argv: Command line.
+        role: word, letter or fleet.
+        policies: The policies file where the command line names none.
+        check: Raises `InputError` for a policy that cannot be.
+        make_node: Makes the node for a policy and a seed.
+    """
+    parser = Parser(f"Run the {role} manager.")
+    parser.add_argument("--policy", metavar="NAME|FILE.py:Class", help=f"the {role} policy")
+    parser.add_argument("--policies", type=Path, default=policies, metavar="FILE")
+    parser.add_argument("--seed", type=seed, default=0, help="of the random numbers of the policy")
+    options = parser.parse_args(argv)
+
+    def run() -> None:
+        choice = getattr(load_policies(options.policies, {role: options.policy}), role)
+        check(choice)
+        stay_on_this_machine()
+        with Live(f"{role} manager") as live:
+            make_node(live, choice, options.seed)
+            live.spin()
+
+    return exit_status(run)

@@ -1,0 +1,286 @@
+"""What a manager knows of the world: a snapshot, kept true by events."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from soup_managers.grid import PointGrid
+from soup_msgs_py.codes import EventType
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.messages import Bots, Bundle, Event, Snapshot, Word
+from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.tiles import LETTERS
+
+
+@dataclass(slots=True)
+class OpenWord:
+    """A word on a word station; one that is finished holds its place until it is cleared away."""
+
+    word: int
+    station: int
+    tiles: tuple[int, ...]
+    filled: list[bool]
+
+    @property
+    def missing(self) -> tuple[int, ...]:
+        """Tile kinds that are still to come, in the order of the letters."""
+        return tuple([tile for tile, there in zip(self.tiles, self.filled, strict=True) if not there])
+
+
+@dataclass(slots=True)
+class StagedBundle:
+    """A bundle on a letter station and how many of its tiles are still there."""
+
+    bundle: int
+    station: int
+    tile: int
+    count: int
+
+
+class WarehouseView:
+    """The world as told by one `Snapshot` and the `Event`s after it.
+
+    Several managers in one process may share a view: what it has seen already it ignores. After a gap in the
+    events it stands still and is `lost` until the next snapshot.
+
+    Attributes:
+        sequence: Number of the last event that is in the view; -1 before the first snapshot.
+        ready: Whether there has been a snapshot.
+        resets: How many snapshots were taken over.
+        lost: Whether events are missing, so that a new snapshot is needed.
+        bucket_x: Positions of the buckets in metres, shape (buckets,); `bucket_y` likewise. A carried bucket
+            is where its bot was last known to be.
+        bucket_bot: The bot that carries each bucket, -1 for none.
+        spot_of: The storage spot (waypoint) where each bucket rests or last rested, -1 where unknown.
+        bucket_on: The bucket that rests on each occupied storage spot, by waypoint.
+        contents: Tiles in each bucket, as tile kind to count.
+        tiles_in: How many tiles are in each bucket.
+        resting: The buckets that no bot carries, as a bit set.
+        with_room: The buckets that are not full, as a bit set.
+        bot_x: Last known positions of the bots in metres, shape (bots,); `bot_y` likewise.
+        bot_bucket: The bucket that each bot carries, -1 for none.
+        waiting_words: Words on order, the oldest first, by number.
+        open_words: Words on word stations, by number.
+        waiting_bundles: Bundles that have arrived and are on no station, the oldest first, by number.
+        staged_bundles: Bundles on letter stations, by number.
+        free_places: How many more words can be opened, or bundles staged, on each station.
+        stock: Tiles in buckets and staged bundles, by tile kind, shape (kinds,).
+        wanted: Tiles that open words lack, by tile kind, shape (kinds,).
+    """
+
+    def __init__(self, scenario: Scenario, layout: Layout) -> None:
+        self.scenario = scenario
+        self.layout = layout
+        self.sequence = -1
+        self._heard = -1
+        self.ready = False
+        self.lost = False
+        self.resets = 0
+        self.kinds = LETTERS * len(scenario.colours.shares)
+        self._spots: list[int] = layout.storage_spots.tolist()
+        self._spot_grid = PointGrid(layout.waypoints[layout.storage_spots], 4 * scenario.bucket.radius_m)
+        self._clear(0, 0)
+
+    def _clear(self, buckets: int, bots: int) -> None:
+        self.bucket_x, self.bucket_y = np.zeros(buckets), np.zeros(buckets)
+        self.bucket_bot = [-1] * buckets
+        self.spot_of = [-1] * buckets
+        self.bucket_on: dict[int, int] = {}
+        self.contents: list[dict[int, int]] = []
+        self.tiles_in: list[int] = []
+        self.resting = 0
+        self.with_room = 0
+        self._holders: dict[int, int] = {}
+        self.bot_x, self.bot_y = np.zeros(bots), np.zeros(bots)
+        self.bot_bucket = [-1] * bots
+        self.waiting_words: dict[int, Word] = {}
+        self.open_words: dict[int, OpenWord] = {}
+        self.waiting_bundles: dict[int, Bundle] = {}
+        self.staged_bundles: dict[int, StagedBundle] = {}
+        words, letters = len(self.layout.word_stations), len(self.layout.letter_stations)
+        self._first_letter_station = words
+        self.free_places = [self.scenario.word_station.open_words] * words
+        self.free_places += [self.scenario.letter_station.staged_bundles] * letters
+        self.stock = np.zeros(self.kinds, np.int64)
+        self.wanted = np.zeros(self.kinds, np.int64)
+
+    # ---- what it can be asked ------------------------------------------------------------------------------
+
+    def holders(self, tile: int) -> int:
+        """The buckets that hold a tile kind, as a bit set."""
+        return self._holders.get(tile, 0)
+
+    def room_in(self, bucket: int) -> int:
+        """How many more tiles go into a bucket."""
+        return self.scenario.bucket.capacity - self.tiles_in[bucket]
+
+    def spot_at(self, x: float, y: float) -> int:
+        """The storage spot that a bucket at a place in metres rests on, as a waypoint; -1 for none."""
+        covered = self._spot_grid.within(x, y, self.scenario.bucket.radius_m)
+        return self._spots[covered[0]] if covered else -1
+
+    def spots_within(self, x: float, y: float, radius: float) -> list[int]:
+        """The storage spots nearer to a place than `radius` metres, as waypoints, the nearest first."""
+        return [self._spots[number] for number in self._spot_grid.within(x, y, radius)]
+
+    # ---- how it is kept true -------------------------------------------------------------------------------
+
+    def reset(self, snapshot: Snapshot) -> bool:
+        """Take over a snapshot, where one is needed; whether it was.
+
+        One that is older than an event that was heard would leave a gap: it is refused, the view is `lost`.
+        """
+        if self.ready and not self.lost:
+            return False
+        if snapshot.sequence < self._heard:
+            self.lost = True
+            return False
+        self._clear(len(snapshot.contents), len(snapshot.bots.x))
+        self.observe(snapshot.bots)
+        self.bot_bucket = snapshot.bots.bucket.tolist()
+        self.bucket_x[:], self.bucket_y[:] = snapshot.buckets.x, snapshot.buckets.y
+        self.bucket_bot = snapshot.buckets.bot.tolist()
+        for bucket, contents in enumerate(snapshot.contents):
+            self.contents.append({})
+            self.tiles_in.append(0)
+            self.with_room |= 1 << bucket
+            for tile, count in contents.items():
+                if count > 0:
+                    self._put_in(bucket, tile, count)
+                    self.stock[tile] += count
+            if self.bucket_bot[bucket] < 0:
+                self._set_down(bucket, float(self.bucket_x[bucket]), float(self.bucket_y[bucket]))
+        for word_station in snapshot.word_stations:
+            for word in word_station.open_words:
+                self._open(word, word_station.station)
+        for letter_station in snapshot.letter_stations:
+            for bundle in letter_station.staged_bundles:
+                self._stage(bundle, letter_station.station)
+        self.waiting_words = {word.word: word for word in snapshot.waiting_words}
+        self.waiting_bundles = {bundle.bundle: bundle for bundle in snapshot.waiting_bundles}
+        self.sequence = snapshot.sequence
+        self.ready, self.lost = True, False
+        self.resets += 1
+        return True
+
+    def observe(self, bots: Bots) -> None:
+        """Take over where the bots are."""
+        self.bot_x[:], self.bot_y[:] = bots.x, bots.y
+
+    def apply(self, event: Event) -> bool:
+        """Take in an event; whether it was new. One that leaves a gap makes the view `lost`."""
+        if event.sequence <= self.sequence:
+            return False
+        self._heard = max(self._heard, event.sequence)
+        if not self.ready or self.lost:
+            return False
+        if event.sequence != self.sequence + 1:
+            self.lost = True
+            return False
+        self.sequence = event.sequence
+        kind = event.type
+        if kind is EventType.TRANSFERRED:
+            self._transferred(event)
+        elif kind is EventType.GRABBED:
+            self._lift(event.bucket, event.bot)
+            self._see(event)
+        elif kind is EventType.RELEASED:
+            self.bot_bucket[event.bot] = -1
+            self.bucket_bot[event.bucket] = -1
+            self.bucket_x[event.bucket], self.bucket_y[event.bucket] = event.x, event.y
+            self._set_down(event.bucket, event.x, event.y)
+            self._see(event)
+        elif kind is EventType.WORD_ARRIVED:
+            self.waiting_words[event.job] = Word(event.job, event.text, event.tiles)
+        elif kind is EventType.WORD_ASSIGNED:
+            word = self.waiting_words.pop(event.job, None)
+            self._open(word or Word(event.job, event.text, event.tiles), event.station)
+        elif kind is EventType.WORD_CLEARED:
+            if self.open_words.pop(event.job, None) is not None:
+                self.free_places[event.station] += 1
+        elif kind is EventType.BUNDLE_ARRIVED:
+            self.waiting_bundles[event.job] = Bundle(event.job, event.tile, event.count)
+        elif kind is EventType.BUNDLE_STAGED:
+            self.waiting_bundles.pop(event.job, None)
+            self._stage(Bundle(event.job, event.tile, event.count), event.station)
+        elif kind is EventType.BUNDLE_EMPTIED:
+            if self.staged_bundles.pop(event.job, None) is not None:
+                self.free_places[event.station] += 1
+        elif kind is EventType.RESUMED:
+            self._see(event)
+        return True
+
+    def _transferred(self, event: Event) -> None:
+        bucket, tile = event.bucket, event.tile
+        self._see(event)
+        if event.station < self._first_letter_station:
+            self._take_out(bucket, tile)
+            self.stock[tile] -= 1
+            word = self.open_words.get(event.job)
+            if word is None:
+                return
+            for letter, wanted in enumerate(word.tiles):
+                if wanted == tile and not word.filled[letter]:
+                    word.filled[letter] = True
+                    self.wanted[tile] -= 1
+                    return
+        else:
+            self._put_in(bucket, tile, 1)
+            bundle = self.staged_bundles.get(event.job)
+            if bundle is not None:
+                bundle.count -= 1
+
+    def _see(self, event: Event) -> None:
+        """Take the bot's place from an event, where it says one (nothing is at negative coordinates)."""
+        if event.x < 0 or event.bot < 0:
+            return
+        self.bot_x[event.bot], self.bot_y[event.bot] = event.x, event.y
+        carried = self.bot_bucket[event.bot]
+        if carried >= 0:
+            self.bucket_x[carried], self.bucket_y[carried] = event.x, event.y
+
+    def _lift(self, bucket: int, bot: int) -> None:
+        self.bot_bucket[bot] = bucket
+        self.bucket_bot[bucket] = bot
+        self.resting &= ~(1 << bucket)
+        if self.bucket_on.get(self.spot_of[bucket]) == bucket:
+            del self.bucket_on[self.spot_of[bucket]]
+
+    def _set_down(self, bucket: int, x: float, y: float) -> None:
+        self.resting |= 1 << bucket
+        spot = self.spot_at(x, y)
+        self.spot_of[bucket] = spot
+        if spot >= 0:
+            self.bucket_on[spot] = bucket
+
+    def _put_in(self, bucket: int, tile: int, count: int) -> None:
+        contents = self.contents[bucket]
+        if tile not in contents:
+            self._holders[tile] = self._holders.get(tile, 0) | 1 << bucket
+        contents[tile] = contents.get(tile, 0) + count
+        self.tiles_in[bucket] += count
+        if self.tiles_in[bucket] >= self.scenario.bucket.capacity:
+            self.with_room &= ~(1 << bucket)
+
+    def _take_out(self, bucket: int, tile: int) -> None:
+        contents = self.contents[bucket]
+        contents[tile] -= 1
+        if not contents[tile]:
+            del contents[tile]
+            self._holders[tile] &= ~(1 << bucket)
+        self.tiles_in[bucket] -= 1
+        self.with_room |= 1 << bucket
+
+    def _open(self, word: Word, station: int) -> None:
+        opened = OpenWord(word.word, station, word.tiles, list(word.filled or (False,) * len(word.tiles)))
+        self.open_words[word.word] = opened
+        self.free_places[station] -= 1
+        for tile in opened.missing:
+            self.wanted[tile] += 1
+
+    def _stage(self, bundle: Bundle, station: int) -> None:
+        self.staged_bundles[bundle.bundle] = StagedBundle(bundle.bundle, station, bundle.tile, bundle.count)
+        self.free_places[station] -= 1
+        self.stock[bundle.tile] += bundle.count

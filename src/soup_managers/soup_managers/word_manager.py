@@ -1,0 +1,56 @@
+"""The word manager: puts words on word stations and has the fleet bring their letters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from soup_managers.policies.word import WordPolicy
+from soup_managers.station_manager import StationManager
+from soup_managers.view import WarehouseView
+from soup_msgs_py.codes import EventType
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.messages import DELIVER, AssignWord, DeliverGoal, Event
+from soup_msgs_py.mind import Message
+from soup_msgs_py.scenario import Scenario
+
+
+class WordManager(StationManager):
+    """Opens waiting words where a word station has a place free; each open word is a task of the fleet."""
+
+    kind = DELIVER
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        layout: Layout,
+        policy: WordPolicy,
+        view: WarehouseView,
+        rng: np.random.Generator,
+    ) -> None:
+        super().__init__(view, range(len(layout.word_stations)))
+        self._policy = policy
+        self._rng = rng
+
+    def on_event(self, event: Event, now: float) -> list[Message]:
+        """A word that was opened needs letters; a place that became free needs a word."""
+        if event.type is EventType.WORD_ASSIGNED:
+            return self.assigned(event.job, event.station, -1, now)
+        if event.type is EventType.WORD_ARRIVED or event.type is EventType.WORD_CLEARED:
+            return self.fill_places(now)
+        return []
+
+    def jobs(self) -> Iterable[int]:
+        """All open words."""
+        return self.view.open_words
+
+    def goal(self, job: int) -> DeliverGoal | None:
+        """The letters that a word lacks."""
+        word = self.view.open_words.get(job)
+        missing = word.missing if word is not None else ()
+        return DeliverGoal(job, word.station, job, missing) if word is not None and missing else None
+
+    def choose(self, free: list[int]) -> AssignWord | None:
+        """What the word policy says, where words wait."""
+        return self._policy.choose(self.view, free, self._rng) if self.view.waiting_words else None

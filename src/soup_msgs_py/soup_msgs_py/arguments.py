@@ -1,0 +1,175 @@
+"""Command-line arguments that several programs share; a wrong one is told in one line, exit status 2."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+import socket
+import sys
+from pathlib import Path
+from typing import NoReturn
+
+from soup_msgs_py.errors import InputError
+
+MOST_BOTS = 100_000
+
+
+class Parser(argparse.ArgumentParser):
+    """The parser of the standard library, but an error is one line."""
+
+    def __init__(self, description: str) -> None:
+        """Make a parser that knows no option yet.
+
+        Args:
+            description: What the program does.
+        """
+        super().__init__(description=description, allow_abbrev=False)
+
+    def error(self, message: str) -> NoReturn:
+        """Print the line and exit."""
+        print(f"{self.prog}: {message.removeprefix('argument ')}", file=sys.stderr)
+        sys.exit(2)
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def positive(text: str) -> float:
+    """A number above 0."""
+    value = _number(text)
+    if not (value > 0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a number above 0")
+    return value
+
+
+def not_negative(text: str) -> float:
+    """A number from 0."""
+    value = _number(text)
+    if not (value >= 0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a number from 0")
+    return value
+
+
+def _whole(text: str, least: int, most: int) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = least - 1
+    if not least <= value <= most:
+        raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a whole number from {least} to {most}")
+    return value
+
+
+def seed(text: str) -> int:
+    """The seed of the random numbers."""
+    return _whole(text, 0, 2**63 - 1)
+
+
+def port(text: str) -> int:
+    """A TCP port that needs no privilege."""
+    return _whole(text, 1024, 65535)
+
+
+def processes(text: str) -> int:
+    """A number of processes."""
+    return _whole(text, 1, 256)
+
+
+def replications(text: str) -> int:
+    """A number of runs."""
+    return _whole(text, 1, 10_000)
+
+
+def output_file(text: str) -> Path:
+    """A file to write: its folder exists and can be written, and it is no folder itself."""
+    path = Path(text).absolute()
+    if not path.parent.is_dir():
+        raise argparse.ArgumentTypeError(f"found no folder {path.parent}; allowed: a file in a folder that exists")
+    if path.is_dir() or not os.access(path.parent, os.W_OK):
+        raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a file that can be written")
+    return path
+
+
+def bots(text: str) -> tuple[int, ...]:
+    """Numbers of bots as ranges and lists, for instance `0-5,8`."""
+    numbers: set[int] = set()
+    for part in text.split(","):
+        first, dash, last = part.partition("-")
+        if not (first.isdecimal() and (last.isdecimal() or not dash)):
+            raise argparse.ArgumentTypeError(f"found {text!r}; allowed: ranges and lists of bots, for instance 0-5,8")
+        low, high = int(first), int(last or first)
+        if not low <= high < MOST_BOTS:
+            raise argparse.ArgumentTypeError(f"found {part!r}; allowed: rising numbers below {MOST_BOTS}")
+        numbers.update(range(low, high + 1))
+    return tuple(sorted(numbers))
+
+
+def written_bots(numbers: tuple[int, ...]) -> str:
+    """Numbers of bots as `bots` reads them."""
+    parts: list[list[int]] = []
+    for number in numbers:
+        if parts and number == parts[-1][1] + 1:
+            parts[-1][1] = number
+        else:
+            parts.append([number, number])
+    return ",".join(f"{low}-{high}" if low < high else str(low) for low, high in parts)
+
+
+def add_scenario(parser: Parser, default: Path | None) -> None:
+    """Add `--scenario` and `--set`."""
+    parser.add_argument("--scenario", type=Path, default=default, required=default is None, metavar="FILE")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override one scenario value")
+
+
+def add_run(parser: Parser) -> None:
+    """Add what says how long, how fast and how a run goes."""
+    parser.add_argument("--duration", type=positive, metavar="S", help="simulated seconds; without: until Ctrl-C")
+    parser.add_argument("--warmup", type=not_negative, default=0.0, metavar="S", help="simulated seconds not counted")
+    parser.add_argument("--seed", type=seed, default=0, help="of all random numbers")
+    parser.add_argument("--summary", type=output_file, metavar="FILE", help="write the figures of the run as JSON")
+    parser.add_argument("--event-log", type=output_file, metavar="FILE", help="write all events as JSON lines")
+
+
+def add_speed(parser: Parser) -> None:
+    """Add `--speed`."""
+    parser.add_argument("--speed", type=positive, default=1.0, metavar="RTF", help="simulated seconds a wall second")
+
+
+def check_run(parser: Parser, arguments: argparse.Namespace) -> None:
+    """Refuse a warm-up that leaves nothing to count."""
+    if arguments.duration is not None and arguments.warmup >= arguments.duration:
+        parser.error(f"--warmup: found {arguments.warmup:g}; allowed: less than --duration {arguments.duration:g}")
+
+
+def add_policies(parser: Parser, default: Path | None, roles: tuple[str, ...]) -> None:
+    """Add `--policies` and an override for each role."""
+    parser.add_argument("--policies", type=Path, default=default, metavar="FILE")
+    for role in roles:
+        parser.add_argument(f"--{role}-policy", metavar="NAME|FILE.py:Class", help=f"override the {role} policy")
+
+
+def add_live_only(parser: Parser) -> None:
+    """Accept what only a live run needs, so that a command line can be moved from one to the other."""
+    add_speed(parser)
+    parser.add_argument("--bot-processes", type=processes, help="of no effect in one process")
+    parser.add_argument("--no-dashboard", action="store_true", help="of no effect in one process")
+    parser.add_argument("--port", type=port, help="of no effect in one process")
+
+
+def refuse_port_in_use(port: int) -> None:
+    """Make sure that a server on this machine can have its port.
+
+    Raises:
+        InputError: Another program has it.
+    """
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("127.0.0.1", port))
+        except OSError as error:
+            raise InputError("--port", "", f"port {port} in use", "a free port") from error

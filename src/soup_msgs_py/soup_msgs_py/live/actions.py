@@ -1,0 +1,181 @@
+"""Actions without a thread a goal: servers whose goals end when a mind says so, patient clients."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.node import Node
+
+from soup_msgs_py.codes import Code
+from soup_msgs_py.live.process import Live
+from soup_msgs_py.qos import EVERY_ONE
+from soup_msgs_py.wire import MalformedMessage, fill_result, read_result
+
+RESULTS_KEPT_S = 60  # wall time; each is asked for as soon as who asked has heard that its goal is accepted
+
+
+class GoalServer(ActionServer):
+    """An action server whose goals end when somebody says so, not when a callback returns.
+
+    Args:
+        accept: Gets the handle of every accepted goal.
+        cancel: Gets the handle of a goal that should end early.
+        check: Raises `MalformedMessage` for a goal that makes no sense; such a goal is refused.
+    """
+
+    def __init__(
+        self,
+        live: Live,
+        node: Node,
+        kind: Any,
+        name: str,
+        *,
+        accept: Callable[[ServerGoalHandle], None],
+        cancel: Callable[[ServerGoalHandle], None],
+        check: Callable[[Any], object],
+    ) -> None:
+        """Offer the action."""
+        self._live = live
+        self._accept = live.guard(accept)
+        self._cancel = live.guard(cancel)
+        self._check = check
+        super().__init__(
+            node,
+            kind,
+            name,
+            lambda _handle: kind.Result(),
+            goal_callback=self._on_goal,
+            cancel_callback=self._on_cancel,
+            feedback_pub_qos_profile=EVERY_ONE,
+            result_timeout=RESULTS_KEPT_S,
+        )
+
+    def _on_goal(self, goal: Any) -> GoalResponse:
+        try:
+            self._check(goal)
+        except MalformedMessage:
+            self._live.malformed += 1
+            return GoalResponse.REJECT
+        return GoalResponse.ACCEPT
+
+    def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:
+        self._cancel(handle)
+        return CancelResponse.ACCEPT
+
+    def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
+        """Called by rclpy where it would start the execution: hand the goal on instead."""
+        self._accept(goal_handle)
+
+    def finish(self, handle: ServerGoalHandle, code: Code, message: str) -> None:
+        """End a goal."""
+        result = fill_result(self.action_type.Result(), code, message)
+
+        def end(goal_handle: ServerGoalHandle) -> Any:
+            if goal_handle.is_cancel_requested and code is not Code.DONE:
+                goal_handle.canceled()
+            elif code is Code.DONE:
+                goal_handle.succeed()
+            else:
+                goal_handle.abort()
+            return result
+
+        super().notify_execute(handle, end)
+
+
+class GoalClient:
+    """Asks for goals of one action server; what is asked before the server is there is sent when it is.
+
+    Attributes:
+        client: The action client underneath.
+    """
+
+    def __init__(self, live: Live, node: Node, kind: Any, name: str) -> None:
+        """Look for the server."""
+        self.client = ActionClient(node, kind, name, feedback_sub_qos_profile=EVERY_ONE)
+        self._live = live
+        self._goals: dict[int, _Goal] = {}
+        self._unsent: list[_Goal] = []
+
+    @property
+    def ready(self) -> bool:
+        """Whether the server is there."""
+        return self.client.server_is_ready()
+
+    def send(
+        self, key: int, goal: Any, on_feedback: Callable[[Any], None], on_result: Callable[[Code, str], None]
+    ) -> None:
+        """Ask for a goal under a number of one's own; `on_result` is called once."""
+        guard = self._live.guard
+        running = _Goal(key, goal, guard(on_feedback), guard(on_result))
+        self._goals[key] = running
+        self._unsent.append(running)
+        if self.ready:
+            self._send_all()
+
+    def cancel(self, key: int) -> None:
+        """Ask the server to end a goal early."""
+        running = self._goals.get(key)
+        if running is not None:
+            running.cancelled = True
+            running.cancel_if_accepted()
+
+    def look(self) -> None:
+        """If the server is there, send what waits for it; if not, end the goals that it had, as stopped."""
+        if not self._goals:
+            return
+        if self.ready:
+            self._send_all()
+            return
+        for running in [running for running in self._goals.values() if running.sent]:
+            self._end(running, Code.STOPPED, "who was asked is gone")
+
+    def _send_all(self) -> None:
+        unsent, self._unsent = self._unsent, []
+        for running in unsent:
+            running.sent = True
+            future = self.client.send_goal_async(
+                running.goal, feedback_callback=lambda m, tell=running.on_feedback: tell(m.feedback)
+            )
+            future.add_done_callback(self._live.guard(lambda done, running=running: self._on_accepted(running, done)))
+
+    def _on_accepted(self, running: _Goal, done: Any) -> None:
+        handle = done.result()
+        if not handle.accepted:
+            self._end(running, Code.INVALID, "the goal was refused as malformed")
+            return
+        running.handle = handle
+        guard = self._live.guard
+        handle.get_result_async().add_done_callback(guard(lambda got: self._on_result(running, got)))
+        if running.cancelled:
+            running.cancel_if_accepted()
+
+    def _on_result(self, running: _Goal, got: Any) -> None:
+        try:
+            code, message = read_result(got.result().result)
+        except MalformedMessage:  # a server that was started again knows nothing of this goal
+            code, message = Code.UNKNOWN, "who was asked does not know how it ended"
+        self._end(running, code, message)
+
+    def _end(self, running: _Goal, code: Code, message: str) -> None:
+        if self._goals.get(running.key) is running:
+            del self._goals[running.key]
+            running.on_result(code, message)
+
+
+@dataclass(eq=False)
+class _Goal:
+    key: int
+    goal: Any
+    on_feedback: Callable[..., Any]
+    on_result: Callable[..., Any]
+    handle: Any = None
+    sent: bool = False
+    cancelled: bool = False
+
+    def cancel_if_accepted(self) -> None:
+        if self.handle is not None:
+            self.handle.cancel_goal_async()

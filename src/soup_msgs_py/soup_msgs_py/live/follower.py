@@ -1,0 +1,139 @@
+"""A part that follows the world: learns the scenario, joins the events, keeps the time, wakes its mind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
+from soup_msgs import msg
+
+from soup_msgs_py import topics
+from soup_msgs_py.event_stream import EventStream
+from soup_msgs_py.live.process import Live
+from soup_msgs_py.live.report import Report
+from soup_msgs_py.messages import Event, Snapshot
+from soup_msgs_py.mind import Message, Mind
+from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
+from soup_msgs_py.wire import Announcement, from_ros, from_stamp
+
+LOOK_S = 0.1  # how often a part that waits looks whether it still has to
+
+
+class Follower:
+    """Carries what the world says to a mind, and what the mind says to `carry`.
+
+    Until the part is ready (`missing` says what it still waits for) and in step with the events, the mind is
+    told nothing. A world that is started again is noticed by its new scenario: the mind is then made anew.
+
+    Attributes:
+        mind: The mind; None before the world has been heard of.
+        announcement: What the world has told about its run; None before.
+        now: Simulated time (s).
+        begun: Whether the mind has ever been told what the world looks like.
+    """
+
+    def __init__(
+        self,
+        live: Live,
+        node: Node,
+        report: Report,
+        make_mind: Callable[[Announcement], Mind],
+        carry: Callable[[list[Message]], None],
+        missing: Callable[[], str],
+        concerns: Callable[[Event], bool] | None = None,
+    ) -> None:
+        """Begin to follow.
+
+        Args:
+            live: The process.
+            node: The node that subscribes.
+            report: Where to say what is waited for.
+            make_mind: Makes the mind for a world.
+            carry: Takes what the mind says.
+            missing: What the part waits for besides the world; empty for nothing.
+            concerns: Which events the mind is told; all without.
+        """
+        self.mind: Mind | None = None
+        self.announcement: Announcement | None = None
+        self.now = 0.0
+        self.begun = False
+        self._report = report
+        self._make_mind = make_mind
+        self._carry = carry
+        self._missing = missing
+        self._concerns = concerns
+        self._stream = EventStream()
+        self._snapshot: Snapshot | None = None  # the newest one, while it may be needed
+        live.follow(node, msg.Scenario, topics.SCENARIO, self._on_announcement, LATCHED)
+        live.subscribe(node, Clock, topics.CLOCK, self._on_clock, DISPLAY)
+        live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE)
+        live.subscribe(node, msg.Snapshot, topics.SNAPSHOT, self._on_snapshot, LATCHED, raw=True)
+        live.every(LOOK_S, self._look)
+
+    @property
+    def in_step(self) -> bool:
+        """Whether the mind knows the world and is being told everything."""
+        return self._stream.in_step
+
+    def tell(self, message: Message) -> None:
+        """Hand a message to the mind, and what it says to `carry`."""
+        if self.mind is not None:
+            self._carry(self.mind.handle(message, self.now))
+
+    def _on_announcement(self, announcement: Announcement) -> None:
+        if self.announcement is not None:  # another world: what the old one said is over
+            self._snapshot = None
+        self.announcement = announcement
+        self.now = announcement.time
+        self._stream.restart()
+        self.begun = False
+        self.mind = self._make_mind(announcement)
+
+    def _on_clock(self, clock: Clock) -> None:
+        self.now = self._report.time = from_stamp(clock.clock)
+        self._wake()
+
+    def _wake(self) -> None:
+        if self.mind is not None and self.in_step and self.mind.next_wake <= self.now:
+            self._carry(self.mind.wake(self.now))
+
+    def _on_event(self, event: Event) -> None:
+        self._hear(self._stream.take_event(event))
+
+    def _on_snapshot(self, cdr: bytes) -> None:
+        if self.in_step:
+            return
+        self._snapshot = from_ros(deserialize_message(cdr, msg.Snapshot))
+        self._look()
+
+    def _look(self) -> None:
+        """Join as soon as everything is there."""
+        if self.announcement is None:
+            self._report.waits(f"waits for the world (nothing on {topics.SCENARIO} yet)")
+            return
+        missing = self._missing()
+        if self.in_step:
+            if missing:
+                self._report.waits(missing)
+            else:
+                self._report.works()
+            return
+        if missing:
+            self._report.waits(missing)
+        elif self._snapshot is None:
+            self._report.waits(f"waits for the world (nothing on {topics.SNAPSHOT} yet)")
+        else:
+            self._hear(self._stream.take_snapshot(self._snapshot))
+            if self.in_step:
+                self._snapshot = None
+                self.begun = True
+                self._report.works()
+
+    def _hear(self, messages: list[Any]) -> None:
+        for message in messages:
+            self.now = max(self.now, message.time)
+            if self._concerns is None or not isinstance(message, Event) or self._concerns(message):
+                self.tell(message)

@@ -1,0 +1,194 @@
+"""What every process of the live graph shares: start, spin, signals, clean end.
+
+Everything runs on one thread. `Live.spin` loops `spin_once` of the events executor (its `spin` does not
+deliver in the PyPI wheels); signals are looked at between two callbacks, at most `LONGEST_WAIT_S` apart.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
+
+from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.wire import MalformedMessage, from_ros
+
+LONGEST_WAIT_S = 0.1  # between two looks at the signals
+LONGEST_END_S = 2.5  # then the process ends without having taken leave
+LEAVES = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class Live:
+    """A process in the live graph; use it as a context manager.
+
+    Attributes:
+        name: For messages to a person.
+        malformed: Messages that made no sense and were dropped.
+        ended_by: The signal that ended the process, 0 for none.
+    """
+
+    def __init__(self, name: str) -> None:
+        """Join the ROS graph.
+
+        Args:
+            name: For messages to a person.
+        """
+        self.name = name
+        self.malformed = 0
+        self.ended_by = 0
+        self._stopping = False
+        self._error: BaseException | None = None
+        self._nodes: list[Node] = []
+        self._periodic: list[_Periodic] = []
+        self._handlers = {number: signal.signal(number, self._on_signal) for number in LEAVES}
+        rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
+        self._executor = EventsExecutor()
+
+    def node(self, name: str, namespace: str = "/") -> Node:
+        """A new node, without the services and topics that nobody uses here."""
+        node = Node(name, namespace=namespace, start_parameter_services=False, enable_rosout=False)
+        self._nodes.append(node)
+        self._executor.add_node(node)
+        return node
+
+    def subscribe(
+        self,
+        node: Node,
+        kind: type,
+        topic: str,
+        take: Callable[[Any], object],
+        profile: QoSProfile,
+        **options: Any,
+    ) -> None:
+        """Hand every message of a topic to `take`; what raises `MalformedMessage` is counted and dropped."""
+        node.create_subscription(kind, topic, self.guard(take), profile, **options)
+
+    def follow(self, node: Node, kind: type, topic: str, take: Callable[[Any], None], profile: QoSProfile) -> None:
+        """Hand every message of a topic, turned into its dataclass, to `take`."""
+        self.subscribe(node, kind, topic, lambda message: take(from_ros(message)), profile)
+
+    def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Wrap a callback: an exception ends the process in order instead of inside the executor."""
+
+        def guarded(*arguments: Any) -> Any:
+            if self._stopping:
+                return None
+            try:
+                return function(*arguments)
+            except MalformedMessage:
+                self.malformed += 1
+            except BaseException as error:  # whatever it is, the process must end in order
+                self._error = self._error or error
+                self._stopping = True
+            return None
+
+        return guarded
+
+    def every(self, period_s: float, function: Callable[[], None]) -> None:
+        """Call a function about every `period_s` seconds of wall time, never sooner after its last end."""
+        self._periodic.append(_Periodic(period_s, self.guard(function)))
+
+    def stop(self, error: BaseException | None = None) -> None:
+        """End `spin` after the callback that runs now; with an error, `spin` raises it."""
+        self._error = self._error or error
+        self._stopping = True
+
+    @property
+    def stopping(self) -> bool:
+        """Whether the process is about to end."""
+        return self._stopping
+
+    def spin(self, until: Callable[[], bool] | None = None, timeout_s: float | None = None) -> bool:
+        """Carry messages until the process is to stop, `until` holds, or the wall time is over.
+
+        Returns:
+            Whether `until` holds.
+        """
+        deadline = time.monotonic() + timeout_s if timeout_s is not None else None
+        while not self._stopping:
+            if until is not None and until():
+                return True
+            now = time.monotonic()
+            if deadline is not None and now >= deadline:
+                return False
+            wait = LONGEST_WAIT_S if deadline is None else min(LONGEST_WAIT_S, deadline - now)
+            for periodic in self._periodic:
+                wait = min(wait, periodic.run_if_due(now))
+            try:
+                self._executor.spin_once(timeout_sec=wait)
+            except ExternalShutdownException:
+                self._stopping = True
+        if self._error is not None:
+            raise self._error
+        return False
+
+    def __enter__(self) -> Live:
+        """Nothing more than the constructor did."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Leave the graph."""
+        self.close()
+
+    def close(self) -> None:
+        """Leave the graph; other parts learn of it at once. Can be called twice."""
+        self._stopping = True
+        if not rclpy.ok():
+            return
+        last = threading.Timer(LONGEST_END_S, os._exit, [1 if self._error else 0])
+        last.daemon = True
+        last.start()
+        for node in self._nodes:
+            self._executor.remove_node(node)
+            node.destroy_node()
+        self._executor.shutdown()
+        rclpy.try_shutdown()
+        last.cancel()
+        for number, handler in self._handlers.items():
+            signal.signal(number, handler)
+
+    def _on_signal(self, number: int, _frame: object) -> None:
+        self.ended_by = number
+        self._stopping = True
+
+
+class _Periodic:
+    def __init__(self, period_s: float, function: Callable[..., Any]) -> None:
+        self.period_s = period_s
+        self.function = function
+        self.due = 0.0
+
+    def run_if_due(self, now: float) -> float:
+        """Run the function if its time has come; seconds until it comes again."""
+        if now >= self.due:
+            self.function()
+            self.due = time.monotonic() + self.period_s
+        return max(0.0, self.due - now)
+
+
+def exit_status(main: Callable[[], int | None]) -> int:
+    """Run a program's main function; its exit status: 0 done, 1 the run failed, 2 the input is wrong."""
+    try:
+        return main() or 0
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except RunError as error:
+        print(error, file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 1

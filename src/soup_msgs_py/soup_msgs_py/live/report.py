@@ -1,0 +1,96 @@
+"""What a process says about itself on /diagnostics: whether it is at work, or what it waits for."""
+
+from __future__ import annotations
+
+import sys
+import time
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.node import Node
+
+from soup_msgs_py import topics
+from soup_msgs_py.live.process import Live
+from soup_msgs_py.qos import EVERY_ONE
+from soup_msgs_py.wire import to_stamp
+
+PERIOD_S = 1.0
+PATIENCE_S = 1.0  # a wait that takes longer is told on stderr, once
+AT_WORK = "at work"
+
+
+class Report:
+    """Publishes one line about a process, once a second and whenever it changes.
+
+    Attributes:
+        values: Details, by name.
+        time: Simulated time to stamp it with (s).
+    """
+
+    def __init__(self, live: Live, node: Node) -> None:
+        """Report, through a node of the process, that it starts."""
+        self.values: dict[str, str] = {}
+        self.time = 0.0
+        self._live = live
+        self._publisher = node.create_publisher(DiagnosticArray, topics.DIAGNOSTICS, EVERY_ONE)
+        self._message = ""
+        self._waits = True
+        self._since = time.monotonic()
+        self._told = ""
+        live.every(PERIOD_S, self._repeat)
+
+    def waits(self, message: str) -> None:
+        """The process waits for something."""
+        self._set(message, waits=True)
+
+    def works(self) -> None:
+        """The process does what it is there for."""
+        self._set(AT_WORK, waits=False)
+
+    def _set(self, message: str, *, waits: bool) -> None:
+        if (message, waits) != (self._message, self._waits):
+            self._message, self._waits = message, waits
+            self._since = time.monotonic()
+            self._publish()
+
+    def _repeat(self) -> None:
+        self._publish()
+        late = time.monotonic() - self._since > PATIENCE_S
+        if self._waits and self._message and late and self._message != self._told:
+            self._told = self._message
+            print(f"{self._live.name}: {self._message}", file=sys.stderr, flush=True)
+
+    def _publish(self) -> None:
+        values = {**self.values, "malformed_messages": str(self._live.malformed)}
+        status = DiagnosticStatus(
+            level=DiagnosticStatus.WARN if self._waits else DiagnosticStatus.OK,
+            name=self._live.name,
+            message=self._message,
+            values=[KeyValue(key=key, value=value) for key, value in values.items()],
+        )
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = to_stamp(self.time)
+        self._publisher.publish(message)
+
+
+class PartsWatch:
+    """Knows which processes are at work, from their reports.
+
+    Attributes:
+        at_work: Details of each process that is, by its name.
+        waiting: What each other one waits for, by its name.
+    """
+
+    def __init__(self, live: Live, node: Node) -> None:
+        """Watch from now on."""
+        self.at_work: dict[str, dict[str, str]] = {}
+        self.waiting: dict[str, str] = {}
+        live.subscribe(node, DiagnosticArray, topics.DIAGNOSTICS, self._take, EVERY_ONE)
+
+    def _take(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.level == DiagnosticStatus.OK:
+                self.waiting.pop(status.name, None)
+                self.at_work[status.name] = {pair.key: pair.value for pair in status.values}
+            else:
+                self.at_work.pop(status.name, None)
+                self.waiting[status.name] = status.message

@@ -1,0 +1,450 @@
+"""What the parts of the warehouse say to each other: frozen dataclasses, the same in one process and on the wire.
+
+Times are simulated seconds, positions metres in frame `map` (x right, y up), angles radians. A number that means
+nothing in a message is -1. Tile kinds are numbered as in `tiles`, stations as in `layout`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from soup_msgs_py.codes import Code, EventType, Phase
+
+Point = tuple[float, float]
+DELIVER = "deliver"
+STORE = "store"
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+# ---- what a bot asks of the world -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class SetVelocity:
+    """Make (vx, vy) the bot's target velocity (equations 1 to 5) until another motion command comes.
+
+    A standing bot turns at `turn_radps` when the target velocity is zero.
+    """
+
+    bot: int
+    vx: float
+    vy: float
+    turn_radps: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SetVelocities:
+    """`SetVelocity` for many bots at once; arrays of one shape (n,)."""
+
+    bots: Ints
+    vx: Floats
+    vy: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class FollowPath:
+    """Drive through `points`, stopping where the direction changes and at the last one (equation 6).
+
+    `stamps`, one a point, are the times to be there, or empty: as soon as possible. A point that cannot be
+    reached in time is reached as soon as possible. Answered by a `BotReply` when the last point is reached.
+    """
+
+    bot: int
+    request: int
+    points: tuple[Point, ...]
+    stamps: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Grab:
+    """Lift the bucket (-1: the one that is here)."""
+
+    bot: int
+    request: int
+    bucket: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """Set the carried bucket down on the storage spot that is here."""
+
+    bot: int
+    request: int
+
+
+@dataclass(frozen=True, slots=True)
+class TileMove:
+    """One letter tile to move between a carried bucket and a station: its kind, and the word or bundle (-1: any)."""
+
+    tile: int = -1
+    job: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """Move letter tiles between the carried bucket and the station (-1: the one that is here), one after another."""
+
+    bot: int
+    request: int
+    station: int = -1
+    moves: tuple[TileMove, ...] = (TileMove(),)
+
+
+@dataclass(frozen=True, slots=True)
+class BotReply:
+    """How a bot's request ended, when, and where the bot was."""
+
+    bot: int
+    request: int
+    code: Code
+    message: str
+    time: float
+    x: float
+    y: float
+
+    @property
+    def success(self) -> bool:
+        """Whether the request was carried out."""
+        return self.code is Code.DONE
+
+
+# ---- what managers ask of the world ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class AssignWord:
+    """Open a waiting word on a word station."""
+
+    word: int
+    station: int
+
+
+@dataclass(frozen=True, slots=True)
+class AssignBundle:
+    """Stage a bundle on a letter station: one that has arrived (`bundle`), or a new one of a kind (`tile`)."""
+
+    station: int
+    bundle: int = -1
+    tile: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """The world's answer to a manager: `number` is the bundle that was staged, if one was."""
+
+    code: Code
+    message: str
+    number: int = -1
+
+    @property
+    def success(self) -> bool:
+        """Whether the request was carried out."""
+        return self.code is Code.DONE
+
+
+# ---- what the world tells -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One thing that happened. `sequence` counts up by one an event, without gaps."""
+
+    time: float
+    sequence: int
+    type: EventType
+    bot: int = -1
+    bucket: int = -1
+    station: int = -1
+    tile: int = -1
+    job: int = -1
+    count: int = -1
+    x: float = -1.0
+    y: float = -1.0
+    bots: tuple[int, ...] = ()
+    buckets: tuple[int, ...] = ()
+    tiles: tuple[int, ...] = ()
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A word on order. `filled` says which of its letters are in place; it is empty while the word waits."""
+
+    word: int
+    text: str
+    tiles: tuple[int, ...]
+    filled: tuple[bool, ...] = ()
+
+    @property
+    def missing(self) -> tuple[int, ...]:
+        """Tile kinds that are still to come, in the order of the letters."""
+        if not self.filled:
+            return self.tiles
+        return tuple(tile for tile, there in zip(self.tiles, self.filled, strict=True) if not there)
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """A bundle of `count` like letter tiles."""
+
+    bundle: int
+    tile: int
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class WordStationState:
+    """A word station, the bot that it serves (-1: none) and its open words."""
+
+    station: int
+    x: float
+    y: float
+    bot: int
+    open_words: tuple[Word, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class LetterStationState:
+    """A letter station, the bot that it serves (-1: none) and its staged bundles."""
+
+    station: int
+    x: float
+    y: float
+    bot: int
+    staged_bundles: tuple[Bundle, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bots:
+    """Bodies of all bots at one instant; element i belongs to bot i, shape (bots,)."""
+
+    time: float
+    x: Floats
+    y: Floats
+    heading: Floats
+    vx: Floats
+    vy: Floats
+    bucket: Ints
+    state: NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Buckets:
+    """All buckets at one instant; element i belongs to bucket i, shape (buckets,)."""
+
+    time: float
+    x: Floats
+    y: Floats
+    bot: Ints
+    tiles: NDArray[np.uint16]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stations:
+    """State of all stations at one instant."""
+
+    time: float
+    word_stations: tuple[WordStationState, ...]
+    letter_stations: tuple[LetterStationState, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Snapshot:
+    """Everything that a newcomer needs, true right after event `sequence`.
+
+    `contents[b]` maps tile kind to count for bucket b.
+    """
+
+    time: float
+    sequence: int
+    bots: Bots
+    buckets: Buckets
+    contents: tuple[dict[int, int], ...]
+    word_stations: tuple[WordStationState, ...]
+    letter_stations: tuple[LetterStationState, ...]
+    waiting_words: tuple[Word, ...]
+    waiting_bundles: tuple[Bundle, ...]
+    words_completed: int
+
+
+# ---- what the fleet asks of a bot -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """One visit to a station during a trip; `route` are the corners on the way, the last one the station itself."""
+
+    station: int
+    moves: tuple[TileMove, ...]
+    route: tuple[Point, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Trip:
+    """Fetch a bucket, visit stations, store it. Where the bot carries the bucket already, fetching is skipped.
+
+    An empty `store_route` means: keep the bucket at the end.
+    """
+
+    trip: int
+    bucket: int
+    fetch_route: tuple[Point, ...]
+    visits: tuple[Visit, ...]
+    store_route: tuple[Point, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TripGoal:
+    """Ask a bot to carry a bucket through a trip."""
+
+    bot: int
+    trip: Trip
+
+
+@dataclass(frozen=True, slots=True)
+class TripFeedback:
+    """How far a trip has come, or what it waits for."""
+
+    bot: int
+    trip: int
+    phase: Phase
+    visits_done: int
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class TripResult:
+    """How a trip ended."""
+
+    bot: int
+    trip: int
+    code: Code
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class CancelTrip:
+    """Ask a bot to end its trip at the next safe point."""
+
+    bot: int
+    trip: int
+
+
+@dataclass(frozen=True, slots=True)
+class DriveGoal:
+    """Ask a bot to drive through points and stop at the last."""
+
+    bot: int
+    drive: int
+    points: tuple[Point, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class DriveResult:
+    """How a drive ended."""
+
+    bot: int
+    drive: int
+    code: Code
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class CancelDrive:
+    """Ask a bot to stop driving."""
+
+    bot: int
+    drive: int
+
+
+@dataclass(frozen=True, slots=True)
+class BotStatus:
+    """What a bot is doing; the newest one of each bot is kept for newcomers."""
+
+    time: float
+    bot: int
+    phase: Phase
+    bucket: int
+    trip: Trip | None
+    visits_done: int
+    message: str
+
+
+# ---- what the word and letter managers ask of the fleet ---------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class DeliverGoal:
+    """Bring the letters that an open word lacks to its station.
+
+    Tasks are known by their kind (DELIVER or STORE) and the number that their manager gives them.
+    """
+
+    task: int
+    station: int
+    word: int
+    tiles: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class StoreGoal:
+    """Bring buckets to a letter station until a staged bundle is stored."""
+
+    task: int
+    station: int
+    bundle: int
+    tile: int
+    count: int
+
+
+@dataclass(frozen=True, slots=True)
+class TaskFeedback:
+    """How far a task has come: the tiles still to be moved, and why it waits, if it does."""
+
+    kind: str
+    task: int
+    missing: tuple[int, ...]
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class TaskResult:
+    """How a task ended."""
+
+    kind: str
+    task: int
+    code: Code
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class CancelTask:
+    """Take a task back."""
+
+    kind: str
+    task: int
+
+
+@dataclass(frozen=True, slots=True)
+class TaskState:
+    """One line of the fleet's list of tasks. `kind` is `deliver` or `store`."""
+
+    task: int
+    kind: str
+    station: int
+    job: int
+    tiles: tuple[int, ...]
+    bots: tuple[int, ...]
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tasks:
+    """All tasks of the fleet."""
+
+    time: float
+    tasks: tuple[TaskState, ...]

@@ -1,0 +1,127 @@
+"""Which policy each part follows: the policies file, and classes that a person names as `file.py:Class`."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator
+
+from soup_msgs_py.errors import InputError
+from soup_msgs_py.yaml_input import read_mapping, validate
+
+ROLES = ("word", "letter", "fleet", "bot")
+
+
+class PolicyChoice(BaseModel):
+    """A policy by name (or `file.py:Class`, or `module:Class`) and its options."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    name: Annotated[str, Field(min_length=1)]
+    options: dict[str, Any] = {}
+
+
+class Policies(BaseModel):
+    """The policies of a run, one a role. In the file each is a name, or a mapping with `name` and `options`."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+    word: PolicyChoice = PolicyChoice(name="minimal")
+    letter: PolicyChoice = PolicyChoice(name="minimal")
+    fleet: PolicyChoice = PolicyChoice(name="minimal")
+    bot: PolicyChoice = PolicyChoice(name="evade")
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _name_alone(cls, value: object) -> object:
+        return {"name": value} if isinstance(value, str) else value
+
+
+def load_policies(path: str | Path | None, overrides: Mapping[str, str | None] | None = None) -> Policies:
+    """Read a policies file and put single choices of the command line over it.
+
+    Args:
+        path: The YAML file, or None for the defaults.
+        overrides: Role to policy name, as given on the command line; None leaves the file's choice.
+
+    Raises:
+        InputError: The file or a choice is wrong. Whether the names exist is checked by `load_policy`.
+    """
+    data: dict[str, Any] = {} if path is None else read_mapping(Path(path))
+    base = Path(path).resolve().parent if path is not None else Path.cwd()
+    policies = validate(Policies, data, path or "policies")
+    chosen = {role: _anchor(getattr(policies, role), base) for role in ROLES}
+    for role, name in (overrides or {}).items():
+        if name is not None:
+            chosen[role] = _anchor(PolicyChoice(name=name), Path.cwd())
+    return Policies(**chosen)
+
+
+def _anchor(choice: PolicyChoice, base: Path) -> PolicyChoice:
+    """Make the file of a `file.py:Class` absolute, so that every process finds it."""
+    place, colon, name = choice.name.rpartition(":")
+    if not colon or not place.endswith(".py"):
+        return choice
+    return choice.model_copy(update={"name": f"{(base / place).resolve()}:{name}"})
+
+
+def load_policy(choice: PolicyChoice, role: str, known: Mapping[str, type], base_class: type) -> Any:
+    """Make the policy of a choice.
+
+    Code is loaded only from the file or module that the choice names.
+
+    Args:
+        choice: What was chosen.
+        role: For messages: word, letter, fleet or bot.
+        known: The policies that come with the warehouse, by name.
+        base_class: The class that a policy of this role extends.
+
+    Returns:
+        A new policy, made with the options as keyword arguments.
+
+    Raises:
+        InputError: There is no such policy, it is of the wrong kind, or its options do not fit.
+    """
+    source = f"{role} policy"
+    names = f"{', '.join(sorted(known))}, FILE.py:Class or module:Class"
+    place, colon, class_name = choice.name.rpartition(":")
+    if not colon:
+        if choice.name not in known:
+            raise InputError(source, "", repr(choice.name), names)
+        policy_class: Any = known[choice.name]
+    else:
+        policy_class = getattr(_load_module(place, source), class_name, None)
+        if policy_class is None:
+            raise InputError(source, place, f"no {class_name!r}", "the name of a class in it")
+    if not (isinstance(policy_class, type) and issubclass(policy_class, base_class)):
+        raise InputError(source, choice.name, "another thing", f"a class that extends {base_class.__name__}")
+    try:
+        return policy_class(**choice.options)
+    except (TypeError, ValueError) as error:
+        raise InputError(source, f"{choice.name}.options", str(error), "the options of its constructor") from error
+
+
+def _load_module(place: str, source: str) -> Any:
+    allowed = "a Python file or module that can be imported"
+    try:
+        if not place.endswith(".py"):
+            return importlib.import_module(place)
+        path = Path(place)
+        if not path.is_file():
+            raise InputError(source, "", f"no file {place}", allowed)
+        spec = importlib.util.spec_from_file_location(f"soup_policy_{path.stem}", path)
+        if spec is None or spec.loader is None:
+            raise InputError(source, "", place, allowed)
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[spec.name] = module
+        spec.loader.exec_module(module)
+        return module
+    except InputError:
+        raise
+    except Exception as error:  # a person's own module may fail in any way
+        raise InputError(source, place, f"{type(error).__name__}: {error}", allowed) from error

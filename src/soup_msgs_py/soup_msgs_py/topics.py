@@ -1,0 +1,58 @@
+"""Names of everything in the live graph. Absolute, so that they do not depend on a node's namespace."""
+
+from __future__ import annotations
+
+WORLD_NODE = "world"
+WORD_MANAGER_NODE = "word_manager"
+LETTER_MANAGER_NODE = "letter_manager"
+FLEET_MANAGER_NODE = "fleet_manager"
+DASHBOARD_NODE = "dashboard"
+
+# The world tells
+CLOCK = "/clock"
+SCENARIO = "/world/scenario"
+SNAPSHOT = "/world/snapshot"
+BOTS = "/world/bots"
+BUCKETS = "/world/buckets"
+STATIONS = "/world/stations"
+EVENTS = "/world/events"
+REPLIES = "/world/replies"
+STATISTICS = "/world/statistics"
+MARKERS = "/visualization_marker_array"
+DIAGNOSTICS = "/diagnostics"
+
+# The world is asked
+REQUESTS = "/world/requests"
+PAUSE = "/world/pause"
+STEP = "/world/step"
+SET_SPEED = "/world/set_speed"
+CHECKPOINT = "/world/checkpoint"
+ASSIGN_WORD = "/world/assign_word"
+ASSIGN_BUNDLE = "/world/assign_bundle"
+
+# The fleet
+DELIVER_LETTERS = "/fleet/deliver_letters"
+STORE_BUNDLE = "/fleet/store_bundle"
+TASKS = "/fleet/tasks"
+
+FRAME = "map"
+
+
+def bot_node(bot: int) -> str:
+    """Name of a bot's node and of its namespace, without the slash."""
+    return f"bot_{bot}"
+
+
+def bot_topic(bot: int, name: str) -> str:
+    """A topic, service or action of one bot: `cmd_vel`, `path`, `status`, `grab`, ..."""
+    return f"/{bot_node(bot)}/{name}"
+
+
+CMD_VEL = "cmd_vel"
+PATH = "path"
+STATUS = "status"
+GRAB = "grab"
+RELEASE = "release"
+TRANSFER = "transfer"
+DRIVE = "drive"
+TRIP = "trip"

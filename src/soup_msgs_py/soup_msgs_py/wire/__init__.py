@@ -1,0 +1,58 @@
+"""The one place that turns dataclasses into ROS messages and back.
+
+`to_ros` and `from_ros` cover what corresponds one to one; the other functions take what the message itself
+does not hold (the bot that a topic belongs to, the number of an action's goal). What comes from the wire is
+not trusted: numbers that are none, lengths that do not fit, unknown words, absurd sizes raise `MalformedMessage`.
+"""
+
+from __future__ import annotations
+
+from soup_msgs_py.wire import state as _state  # noqa: F401  (registers its messages)
+from soup_msgs_py.wire.announcement import Announcement, from_statistics, to_statistics
+from soup_msgs_py.wire.basics import (
+    MalformedMessage,
+    fill_result,
+    from_ros,
+    from_stamp,
+    read_result,
+    to_ros,
+    to_stamp,
+)
+from soup_msgs_py.wire.requests import (
+    assign_bundle_response,
+    assign_word_response,
+    from_bot_request,
+    from_path,
+    from_twist,
+    grab_by_hand,
+    to_path,
+    to_twist,
+    transfer_by_hand,
+)
+from soup_msgs_py.wire.tasks import drive_goal, task_feedback, trip_feedback, trip_goal
+
+__all__ = [
+    "Announcement",
+    "MalformedMessage",
+    "assign_bundle_response",
+    "assign_word_response",
+    "drive_goal",
+    "fill_result",
+    "from_bot_request",
+    "from_path",
+    "from_ros",
+    "from_stamp",
+    "from_statistics",
+    "from_twist",
+    "grab_by_hand",
+    "read_result",
+    "task_feedback",
+    "to_path",
+    "to_ros",
+    "to_stamp",
+    "to_statistics",
+    "to_twist",
+    "transfer_by_hand",
+    "trip_feedback",
+    "trip_goal",
+]

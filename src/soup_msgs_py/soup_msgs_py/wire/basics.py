@@ -1,0 +1,140 @@
+"""What all conversions share: stamps, lists, outcomes, the two functions that message types register with."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections.abc import Iterable, Sequence
+from enum import StrEnum
+from functools import singledispatch
+from typing import Any, TypeVar
+
+import numpy as np
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point as RosPoint
+from soup_msgs import msg
+from std_msgs.msg import Header
+
+from soup_msgs_py import topics
+from soup_msgs_py.codes import Code
+from soup_msgs_py.messages import Point, TileMove
+
+MOST = 100_000  # elements in any one list
+TYPECODES = {"d": np.float64, "f": np.float32, "i": np.int32, "H": np.uint16, "B": np.uint8}
+Member = TypeVar("Member", bound=StrEnum)
+Result = TypeVar("Result")
+
+
+class MalformedMessage(ValueError):
+    """A message from the wire that makes no sense; shells count it and drop it."""
+
+
+def to_stamp(seconds: float) -> Time:
+    """A simulated time as a stamp."""
+    whole, nanoseconds = divmod(round(seconds * 1e9), 1_000_000_000)
+    return Time(sec=whole, nanosec=nanoseconds)
+
+
+def from_stamp(stamp: Time) -> float:
+    """A stamp as simulated time (s)."""
+    return stamp.sec + stamp.nanosec * 1e-9
+
+
+def header_at(seconds: float) -> Header:
+    """The header of what is true at a simulated time, in frame `map`."""
+    return Header(stamp=to_stamp(seconds), frame_id=topics.FRAME)
+
+
+def pack(typecode: str, values: Any) -> array:
+    """Numbers as the array that a ROS message holds, without a Python object a number."""
+    packed = array(typecode)
+    packed.frombytes(np.ascontiguousarray(values, dtype=TYPECODES[typecode]).tobytes())
+    return packed
+
+
+def unpack(values: Any, dtype: type, size: int | None = None) -> Any:
+    """The array of a ROS message as a numpy array, checked: its length (`size`), finite numbers."""
+    unpacked = np.asarray(values).astype(dtype)
+    not_absurd(unpacked)
+    if size is not None and len(unpacked) != size:
+        raise MalformedMessage(f"lists of {size} and {len(unpacked)} elements that should be equally long")
+    if unpacked.dtype.kind == "f" and not np.isfinite(unpacked).all():
+        raise MalformedMessage("a number that is not finite")
+    return unpacked
+
+
+def check_finite(*numbers: float) -> None:
+    """Refuse what is no number."""
+    if not all(map(math.isfinite, numbers)):
+        raise MalformedMessage("a number that is not finite")
+
+
+def not_absurd(values: Any) -> Any:
+    """The list, unless it is longer than any that makes sense."""
+    if len(values) > MOST:
+        raise MalformedMessage(f"a list of {len(values)} elements")
+    return values
+
+
+def to_ints(values: Iterable[int]) -> tuple[int, ...]:
+    """The integers of a ROS message."""
+    return tuple(not_absurd(values).tolist() if isinstance(values, array) else map(int, values))
+
+
+def member(kind: type[Member], text: str) -> Member:
+    """The member of an enumeration that a text names."""
+    try:
+        return kind(text)
+    except ValueError as error:
+        raise MalformedMessage(f"{text[:40]!r} is no {kind.__name__}") from error
+
+
+def to_points(points: Iterable[Point]) -> list[RosPoint]:
+    """Points of the floor (m) for a ROS message."""
+    return [RosPoint(x=float(x), y=float(y)) for x, y in points]
+
+
+def from_points(points: Sequence[RosPoint]) -> tuple[Point, ...]:
+    """Points of the floor (m) from a ROS message; their height is of no interest."""
+    for point in not_absurd(points):
+        check_finite(point.x, point.y)
+    return tuple((point.x, point.y) for point in points)
+
+
+@singledispatch
+def to_ros(message: Any) -> Any:
+    """The ROS message for a dataclass."""
+    raise TypeError(f"no ROS message for {type(message).__name__}")
+
+
+@singledispatch
+def from_ros(message: Any) -> Any:
+    """The dataclass for a ROS message.
+
+    Raises:
+        MalformedMessage: The message makes no sense.
+    """
+    raise TypeError(f"no dataclass for {type(message).__name__}")
+
+
+def to_moves(moves: Iterable[TileMove]) -> list[msg.TileMove]:
+    """Moves of letter tiles for a ROS message."""
+    return [msg.TileMove(tile=int(move.tile), job=int(move.job)) for move in moves]
+
+
+def from_moves(moves: Sequence[msg.TileMove]) -> tuple[TileMove, ...]:
+    """Moves of letter tiles from a ROS message."""
+    return tuple(TileMove(move.tile, move.job) for move in not_absurd(moves))
+
+
+def fill_result(result: Result, code: Code, message: str) -> Result:
+    """Write an outcome into the response of a service or the result of an action."""
+    outcome: Any = result
+    outcome.success = code is Code.DONE
+    outcome.code, outcome.message = code.value, message
+    return result
+
+
+def read_result(result: Any) -> tuple[Code, str]:
+    """The outcome in the response of a service or the result of an action."""
+    return member(Code, result.code), result.message

@@ -1,0 +1,235 @@
+"""What the world tells while it runs: events, poses, stations, snapshots."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from soup_msgs import msg
+
+from soup_msgs_py.codes import BotState, EventType
+from soup_msgs_py.messages import (
+    Bots,
+    Buckets,
+    Bundle,
+    Event,
+    LetterStationState,
+    Snapshot,
+    Stations,
+    Word,
+    WordStationState,
+)
+from soup_msgs_py.wire.basics import (
+    MalformedMessage,
+    check_finite,
+    from_ros,
+    from_stamp,
+    header_at,
+    member,
+    not_absurd,
+    pack,
+    to_ints,
+    to_ros,
+    to_stamp,
+    unpack,
+)
+
+
+@to_ros.register
+def _(event: Event) -> msg.Event:
+    return msg.Event(
+        stamp=to_stamp(event.time),
+        sequence=event.sequence,
+        type=event.type.value,
+        bot=event.bot,
+        bucket=event.bucket,
+        station=event.station,
+        tile=event.tile,
+        job=event.job,
+        count=event.count,
+        x=float(event.x),
+        y=float(event.y),
+        bots=event.bots,
+        buckets=event.buckets,
+        tiles=event.tiles,
+        text=event.text,
+    )
+
+
+@from_ros.register
+def _(event: msg.Event) -> Event:
+    check_finite(event.x, event.y)
+    return Event(
+        time=from_stamp(event.stamp),
+        sequence=event.sequence,
+        type=member(EventType, event.type),
+        bot=event.bot,
+        bucket=event.bucket,
+        station=event.station,
+        tile=event.tile,
+        job=event.job,
+        count=event.count,
+        x=event.x,
+        y=event.y,
+        bots=to_ints(event.bots),
+        buckets=to_ints(event.buckets),
+        tiles=to_ints(event.tiles),
+        text=event.text,
+    )
+
+
+@to_ros.register
+def _(bots: Bots) -> msg.Bots:
+    message = msg.Bots(header=header_at(bots.time))
+    message.x, message.y = pack("d", bots.x), pack("d", bots.y)
+    message.heading = pack("f", bots.heading)
+    message.vx, message.vy = pack("f", bots.vx), pack("f", bots.vy)
+    message.bucket, message.state = pack("i", bots.bucket), pack("B", bots.state)
+    return message
+
+
+@from_ros.register
+def _(bots: msg.Bots) -> Bots:
+    x = unpack(bots.x, np.float64)
+    y, heading, vx, vy = (unpack(a, np.float64, len(x)) for a in (bots.y, bots.heading, bots.vx, bots.vy))
+    bucket, state = unpack(bots.bucket, np.int32, len(x)), unpack(bots.state, np.uint8, len(x))
+    if len(state) and state.max() > max(BotState):
+        raise MalformedMessage(f"{state.max()} is no state of a bot")
+    return Bots(from_stamp(bots.header.stamp), x, y, heading, vx, vy, bucket, state)
+
+
+@to_ros.register
+def _(buckets: Buckets) -> msg.Buckets:
+    message = msg.Buckets(header=header_at(buckets.time))
+    message.x, message.y = pack("f", buckets.x), pack("f", buckets.y)
+    message.bot, message.tiles = pack("i", buckets.bot), pack("H", buckets.tiles)
+    return message
+
+
+@from_ros.register
+def _(buckets: msg.Buckets) -> Buckets:
+    x = unpack(buckets.x, np.float64)
+    y, bot = unpack(buckets.y, np.float64, len(x)), unpack(buckets.bot, np.int32, len(x))
+    return Buckets(from_stamp(buckets.header.stamp), x, y, bot, unpack(buckets.tiles, np.uint16, len(x)))
+
+
+@to_ros.register
+def _(word: Word) -> msg.Word:
+    return msg.Word(word=word.word, text=word.text, tiles=word.tiles, filled=[bool(f) for f in word.filled])
+
+
+@from_ros.register
+def _(word: msg.Word) -> Word:
+    tiles, filled = to_ints(word.tiles), tuple(word.filled)
+    if len(filled) not in (0, len(tiles)):
+        raise MalformedMessage(f"a word of {len(tiles)} letters with {len(filled)} marks")
+    return Word(word.word, word.text, tiles, filled)
+
+
+@to_ros.register
+def _(bundle: Bundle) -> msg.Bundle:
+    return msg.Bundle(bundle=bundle.bundle, tile=bundle.tile, count=bundle.count)
+
+
+@from_ros.register
+def _(bundle: msg.Bundle) -> Bundle:
+    return Bundle(bundle.bundle, bundle.tile, bundle.count)
+
+
+@to_ros.register
+def _(station: WordStationState) -> msg.WordStation:
+    words = [to_ros(word) for word in station.open_words]
+    return msg.WordStation(
+        station=station.station, x=float(station.x), y=float(station.y), bot=station.bot, open_words=words
+    )
+
+
+@from_ros.register
+def _(station: msg.WordStation) -> WordStationState:
+    check_finite(station.x, station.y)
+    words = tuple(map(from_ros, not_absurd(station.open_words)))
+    return WordStationState(station.station, station.x, station.y, station.bot, words)
+
+
+@to_ros.register
+def _(station: LetterStationState) -> msg.LetterStation:
+    bundles = [to_ros(bundle) for bundle in station.staged_bundles]
+    return msg.LetterStation(
+        station=station.station,
+        x=float(station.x),
+        y=float(station.y),
+        bot=station.bot,
+        staged_bundles=bundles,
+    )
+
+
+@from_ros.register
+def _(station: msg.LetterStation) -> LetterStationState:
+    check_finite(station.x, station.y)
+    bundles = tuple(map(from_ros, not_absurd(station.staged_bundles)))
+    return LetterStationState(station.station, station.x, station.y, station.bot, bundles)
+
+
+@to_ros.register
+def _(stations: Stations) -> msg.Stations:
+    return msg.Stations(
+        header=header_at(stations.time),
+        word_stations=[to_ros(station) for station in stations.word_stations],
+        letter_stations=[to_ros(station) for station in stations.letter_stations],
+    )
+
+
+@from_ros.register
+def _(stations: msg.Stations) -> Stations:
+    return Stations(
+        from_stamp(stations.header.stamp),
+        tuple(map(from_ros, not_absurd(stations.word_stations))),
+        tuple(map(from_ros, not_absurd(stations.letter_stations))),
+    )
+
+
+@to_ros.register
+def _(snapshot: Snapshot) -> msg.Snapshot:
+    sizes = [len(content) for content in snapshot.contents]
+    message = msg.Snapshot(
+        header=header_at(snapshot.time),
+        sequence=snapshot.sequence,
+        bots=to_ros(snapshot.bots),
+        buckets=to_ros(snapshot.buckets),
+        word_stations=[to_ros(station) for station in snapshot.word_stations],
+        letter_stations=[to_ros(station) for station in snapshot.letter_stations],
+        waiting_words=[to_ros(word) for word in snapshot.waiting_words],
+        waiting_bundles=[to_ros(bundle) for bundle in snapshot.waiting_bundles],
+        words_completed=snapshot.words_completed,
+    )
+    message.content_start = pack("i", np.concatenate([[0], np.cumsum(sizes)]))
+    message.content_tile = pack("i", [tile for content in snapshot.contents for tile in content])
+    message.content_count = pack("H", [count for content in snapshot.contents for count in content.values()])
+    return message
+
+
+@from_ros.register
+def _(snapshot: msg.Snapshot) -> Snapshot:
+    return Snapshot(
+        time=from_stamp(snapshot.header.stamp),
+        sequence=snapshot.sequence,
+        bots=from_ros(snapshot.bots),
+        buckets=from_ros(snapshot.buckets),
+        contents=_read_contents(snapshot),
+        word_stations=tuple(map(from_ros, not_absurd(snapshot.word_stations))),
+        letter_stations=tuple(map(from_ros, not_absurd(snapshot.letter_stations))),
+        waiting_words=tuple(map(from_ros, not_absurd(snapshot.waiting_words))),
+        waiting_bundles=tuple(map(from_ros, not_absurd(snapshot.waiting_bundles))),
+        words_completed=snapshot.words_completed,
+    )
+
+
+def _read_contents(snapshot: msg.Snapshot) -> tuple[dict[int, int], ...]:
+    start = to_ints(snapshot.content_start)
+    tiles, counts = list(snapshot.content_tile), list(snapshot.content_count)
+    rises = all(a <= b for a, b in pairwise(start))
+    if len(start) != len(snapshot.buckets.x) + 1 or start[0] != 0 or not rises:
+        raise MalformedMessage("contents that do not fit the buckets")
+    if not start[-1] == len(tiles) == len(counts):
+        raise MalformedMessage(f"contents of {start[-1]} kinds, {len(tiles)} kinds and {len(counts)} counts")
+    return tuple(dict(zip(tiles[a:b], counts[a:b], strict=True)) for a, b in pairwise(start))

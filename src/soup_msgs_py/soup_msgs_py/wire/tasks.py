@@ -1,0 +1,187 @@
+"""What the fleet asks of bots, and what it is asked for: trips, drives, tasks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from soup_msgs import action, msg
+
+from soup_msgs_py.codes import Phase
+from soup_msgs_py.messages import (
+    DELIVER,
+    STORE,
+    BotStatus,
+    DeliverGoal,
+    DriveGoal,
+    StoreGoal,
+    TaskFeedback,
+    Tasks,
+    TaskState,
+    Trip,
+    TripFeedback,
+    TripGoal,
+    Visit,
+)
+from soup_msgs_py.wire.basics import (
+    MalformedMessage,
+    from_moves,
+    from_points,
+    from_ros,
+    from_stamp,
+    header_at,
+    member,
+    not_absurd,
+    to_ints,
+    to_moves,
+    to_points,
+    to_ros,
+)
+
+
+@to_ros.register
+def _(trip: Trip) -> msg.Trip:
+    visits = [
+        msg.Visit(station=visit.station, moves=to_moves(visit.moves), route=to_points(visit.route))
+        for visit in trip.visits
+    ]
+    return msg.Trip(
+        trip=trip.trip,
+        bucket=trip.bucket,
+        fetch_route=to_points(trip.fetch_route),
+        visits=visits,
+        store_route=to_points(trip.store_route),
+    )
+
+
+@from_ros.register
+def _(trip: msg.Trip) -> Trip:
+    visits = tuple(
+        Visit(visit.station, from_moves(visit.moves), from_points(visit.route)) for visit in not_absurd(trip.visits)
+    )
+    return Trip(trip.trip, trip.bucket, from_points(trip.fetch_route), visits, from_points(trip.store_route))
+
+
+@to_ros.register
+def _(goal: TripGoal) -> action.CarryTrip.Goal:
+    return action.CarryTrip.Goal(trip=to_ros(goal.trip))
+
+
+def trip_goal(goal: action.CarryTrip.Goal, bot: int) -> TripGoal:
+    """A trip that was asked of a bot."""
+    return TripGoal(bot, from_ros(goal.trip))
+
+
+@to_ros.register
+def _(goal: DriveGoal) -> action.Drive.Goal:
+    return action.Drive.Goal(points=to_points(goal.points))
+
+
+def drive_goal(goal: action.Drive.Goal, bot: int, drive: int) -> DriveGoal:
+    """A drive that was asked of a bot, under the number that its shell gives it."""
+    return DriveGoal(bot, drive, from_points(goal.points))
+
+
+@to_ros.register
+def _(feedback: TripFeedback) -> action.CarryTrip.Feedback:
+    return action.CarryTrip.Feedback(
+        phase=feedback.phase.value, message=feedback.message, visits_done=feedback.visits_done
+    )
+
+
+def trip_feedback(feedback: action.CarryTrip.Feedback, bot: int, trip: int) -> TripFeedback:
+    """How far the trip of a bot has come."""
+    return TripFeedback(bot, trip, member(Phase, feedback.phase), feedback.visits_done, feedback.message)
+
+
+@to_ros.register
+def _(status: BotStatus) -> msg.BotStatus:
+    message = msg.BotStatus(
+        header=header_at(status.time),
+        bot=status.bot,
+        phase=status.phase.value,
+        bucket=status.bucket,
+        on_trip=status.trip is not None,
+        visits_done=status.visits_done,
+        message=status.message,
+    )
+    if status.trip is not None:
+        message.trip = to_ros(status.trip)
+    return message
+
+
+@from_ros.register
+def _(status: msg.BotStatus) -> BotStatus:
+    trip = from_ros(status.trip) if status.on_trip else None
+    phase = member(Phase, status.phase)
+    time = from_stamp(status.header.stamp)
+    return BotStatus(time, status.bot, phase, status.bucket, trip, status.visits_done, status.message)
+
+
+@to_ros.register
+def _(goal: DeliverGoal) -> action.DeliverLetters.Goal:
+    return action.DeliverLetters.Goal(task=goal.task, station=goal.station, word=goal.word, tiles=goal.tiles)
+
+
+@from_ros.register
+def _(goal: action.DeliverLetters.Goal) -> DeliverGoal:
+    return DeliverGoal(goal.task, goal.station, goal.word, to_ints(goal.tiles))
+
+
+@to_ros.register
+def _(goal: StoreGoal) -> action.StoreBundle.Goal:
+    return action.StoreBundle.Goal(
+        task=goal.task, station=goal.station, bundle=goal.bundle, tile=goal.tile, count=goal.count
+    )
+
+
+@from_ros.register
+def _(goal: action.StoreBundle.Goal) -> StoreGoal:
+    return StoreGoal(goal.task, goal.station, goal.bundle, goal.tile, goal.count)
+
+
+@to_ros.register
+def _(feedback: TaskFeedback) -> action.DeliverLetters.Feedback | action.StoreBundle.Feedback:
+    kind = action.DeliverLetters if feedback.kind == DELIVER else action.StoreBundle
+    return kind.Feedback(missing=feedback.missing, message=feedback.message)
+
+
+def task_feedback(feedback: Any, kind: str, task: int) -> TaskFeedback:
+    """How far a task of the fleet has come."""
+    return TaskFeedback(kind, task, to_ints(feedback.missing), feedback.message)
+
+
+@to_ros.register
+def _(tasks: Tasks) -> msg.Tasks:
+    lines = [
+        msg.Task(
+            task=task.task,
+            kind=task.kind,
+            station=task.station,
+            job=task.job,
+            tiles=task.tiles,
+            bots=task.bots,
+            message=task.message,
+        )
+        for task in tasks.tasks
+    ]
+    return msg.Tasks(header=header_at(tasks.time), tasks=lines)
+
+
+@from_ros.register
+def _(tasks: msg.Tasks) -> Tasks:
+    lines = []
+    for task in not_absurd(tasks.tasks):
+        if task.kind not in (DELIVER, STORE):
+            raise MalformedMessage(f"{task.kind[:40]!r} is no kind of task")
+        lines.append(
+            TaskState(
+                task.task,
+                task.kind,
+                task.station,
+                task.job,
+                to_ints(task.tiles),
+                to_ints(task.bots),
+                task.message,
+            )
+        )
+    return Tasks(from_stamp(tasks.header.stamp), tuple(lines))

@@ -1,0 +1,267 @@
+"""The bodies of all bots and buckets: where they are, how they move, when they touch."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.messages import Floats, Ints, Point
+from soup_msgs_py.scenario import Scenario
+from soup_sim import motion
+from soup_sim.contact import begin_window, contacts_of_some
+
+Contact = tuple[float, int, int]  # time, bot, other: a bot, or -1 - b for resting bucket b
+_AT_MOST = 20_000  # contacts found at once
+_LOOSE = 256  # buckets released within one window
+
+
+@njit(cache=True)
+def _positions(state, segments, count, t, out):
+    """Position, velocity, heading of all bots at time t, shape (bots, 5)."""
+    for i in range(len(count)):
+        x, y, vx, vy, _, _, heading, _, _ = motion.piece_at(state, segments, count, i, t)
+        out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4] = x, y, vx, vy, heading
+
+
+@njit(cache=True)
+def _change_velocities(bots, state, segments, count, t, vx, vy, V, A, turn_rate, edges, odometer, ends):
+    """Give many bots target velocities; `ends` receives when each will stand."""
+    for k in range(len(bots)):
+        i = bots[k]
+        odometer[i] += motion.length_of(state, segments, count, i, t)
+        motion.plan_velocity(state, segments, count, i, t, vx[k], vy[k], V, A, turn_rate, edges)
+        ends[k] = t + motion.duration_of(segments, count, i)
+
+
+@njit(cache=True)
+def _change_leg(i, state, segments, count, t, gx, gy, V, A, turn_rate, edges, duration, odometer):
+    """Send one bot straight to a goal; returns when it will be there."""
+    odometer[i] += motion.length_of(state, segments, count, i, t)
+    motion.plan_leg(state, segments, count, i, t, gx, gy, V, A, turn_rate, edges, duration)
+    return t + motion.duration_of(segments, count, i)
+
+
+@njit(cache=True)
+def _stand(i, state, segments, count, t, odometer):
+    """Stop one bot dead where it is at time t."""
+    odometer[i] += motion.length_of(state, segments, count, i, t)
+    motion.settle(state, segments, count, i, t)
+    state[i, 3], state[i, 4] = 0.0, 0.0
+
+
+@njit(cache=True)
+def _driven(state, segments, count, t, odometer, out):
+    """Distance that each bot has driven until time t."""
+    for i in range(len(count)):
+        out[i] = odometer[i] + motion.length_of(state, segments, count, i, t)
+
+
+class Bodies:
+    """Struct of arrays of everything that has a place on the floor.
+
+    Attributes:
+        bucket: The bucket that each bot carries, -1 for none.
+        carrier: The bot that carries each bucket, -1 for none.
+        moving: Whether a motion of the bot is under way.
+        window_s: Contacts are looked for in windows of this length: the time that a bot needs for its own radius
+            at full speed (the paper's shortest step).
+    """
+
+    def __init__(self, scenario: Scenario, layout: Layout, bot_xy: Floats, bucket_xy: Floats) -> None:
+        bots, buckets = len(bot_xy), len(bucket_xy)
+        limits = scenario.bot
+        self._v, self._a = limits.max_speed_mps, limits.max_acceleration_mps2
+        self._turn_rate = limits.turn_rate_radps or 0.0
+        self._r_bot, self._r_bucket = limits.radius_m, scenario.bucket.radius_m
+        margin = max(self._r_bot, self._r_bucket)
+        self.edges = np.array([margin, layout.width_m - margin, margin, layout.height_m - margin])
+        self.window_s = self._r_bot / self._v
+
+        self._state = np.zeros((bots, 6))
+        self._state[:, 1:3] = bot_xy
+        self._segments = np.zeros((bots, motion.MAX_SEGMENTS, 4))
+        self._count = np.zeros(bots, dtype=np.int64)
+        self._odometer = np.zeros(bots)
+        self.moving = np.zeros(bots, dtype=np.bool_)
+        self.bucket: Ints = np.full(bots, -1, dtype=np.int32)
+        self._bucket_xy = np.array(bucket_xy, dtype=np.float64).reshape(buckets, 2)
+        self.carrier: Ints = np.full(buckets, -1, dtype=np.int32)
+
+        # two discs that can meet within a window are in neighbouring cells
+        self._reach = 2.0 * self._v * self.window_s + 0.01
+        self._cell = 2.0 * margin + self._reach
+        self._places = np.zeros((bots, 2))
+        self._nx = int(layout.width_m / self._cell) + 1
+        self._ny = int(layout.height_m / self._cell) + 1
+        cells = self._nx * self._ny
+        self._grids = (
+            np.full(cells, -1, dtype=np.int64),
+            np.full(bots, -1, dtype=np.int64),
+            np.full(cells, -1, dtype=np.int64),
+            np.full(buckets, -1, dtype=np.int64),
+        )
+        self._loose = np.full(_LOOSE, -1, dtype=np.int64)
+        self._loose_count = 0
+        self._when = np.zeros(_AT_MOST)
+        self._who = np.zeros(_AT_MOST, dtype=np.int64)
+        self._other = np.zeros(_AT_MOST, dtype=np.int64)
+        self._table = np.zeros((bots, 5))
+
+    # ---- looking --------------------------------------------------------------------------------------------
+
+    def table(self, t: float) -> Floats:
+        """x, y, vx, vy, heading of every bot at time t, shape (bots, 5); overwritten by the next call."""
+        _positions(self._state, self._segments, self._count, t, self._table)
+        return self._table
+
+    def place(self, bot: int, t: float) -> Point:
+        """Where a bot is at time t."""
+        piece = motion.piece_at(self._state, self._segments, self._count, bot, t)
+        return piece[0], piece[1]
+
+    def bucket_place(self, bucket: int, t: float) -> Point:
+        """Where a bucket is at time t."""
+        bot = int(self.carrier[bucket])
+        if bot >= 0:
+            return self.place(bot, t)
+        x, y = self._bucket_xy[bucket]
+        return float(x), float(y)
+
+    def bucket_places(self, t: float) -> Floats:
+        """Where all buckets are at time t, shape (buckets, 2)."""
+        places = self._bucket_xy.copy()
+        bots = np.nonzero(self.bucket >= 0)[0]
+        places[self.bucket[bots]] = self.table(t)[bots, :2]
+        return places
+
+    def nearest_resting_bucket(self, x: float, y: float) -> tuple[int, float]:
+        """The resting bucket that is nearest to a place, and its distance in metres; (-1, inf) if none rests."""
+        resting = self.carrier < 0
+        if not resting.any():
+            return -1, np.inf
+        d = self._bucket_xy - (x, y)
+        squares = np.where(resting, d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1], np.inf)
+        nearest = int(squares.argmin())
+        return nearest, float(np.sqrt(squares[nearest]))
+
+    def bucket_fits(self, bucket: int, x: float, y: float) -> bool:
+        """Whether a bucket, centred at a place, would overlap no other resting bucket."""
+        d = self._bucket_xy - (x, y)
+        near = (d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1] < 4.0 * self._r_bucket * self._r_bucket) & (self.carrier < 0)
+        near[bucket] = False
+        return not near.any()
+
+    def driven(self, t: float) -> Floats:
+        """Distance that each bot has driven until time t, in metres."""
+        out = np.zeros(len(self._count))
+        _driven(self._state, self._segments, self._count, t, self._odometer, out)
+        return out
+
+    # ---- moving ---------------------------------------------------------------------------------------------
+
+    def set_velocities(self, bots: Ints, vx: Floats, vy: Floats, t: float) -> Floats:
+        """Give bots target velocities at time t; when each will stand if nothing else comes."""
+        ends = np.zeros(len(bots))
+        _change_velocities(
+            bots, self._state, self._segments, self._count, t, vx, vy, self._v, self._a, self._turn_rate,
+            self.edges, self._odometer, ends,
+        )  # fmt: skip
+        self.moving[bots] = ends > t
+        return ends
+
+    def turn(self, bot: int, turn_radps: float, seconds: float, t: float) -> float:
+        """Turn a bot on the spot; when it will have finished."""
+        _stand(bot, self._state, self._segments, self._count, t, self._odometer)
+        motion.plan_turn(self._state, self._segments, self._count, bot, t, turn_radps, seconds)
+        self.moving[bot] = True
+        return t + seconds
+
+    def drive(self, bot: int, goal: Point, duration: float, t: float) -> float:
+        """Send a bot straight to a goal, in `duration` if that is longer than needed; when it will be there."""
+        end = _change_leg(
+            bot, self._state, self._segments, self._count, t, goal[0], goal[1], self._v, self._a, self._turn_rate,
+            self.edges, duration, self._odometer,
+        )  # fmt: skip
+        self.moving[bot] = end > t
+        return end
+
+    def stand(self, bot: int, t: float, exactly: Point | None = None) -> None:
+        """Stop a bot dead at time t; at the end of a leg `exactly` on its goal, free of rounding."""
+        _stand(bot, self._state, self._segments, self._count, t, self._odometer)
+        if exactly is not None:
+            self._state[bot, 1:3] = exactly
+        self.moving[bot] = False
+
+    def speed(self, bot: int, t: float) -> float:
+        """How fast a bot is at time t, in m/s."""
+        piece = motion.piece_at(self._state, self._segments, self._count, bot, t)
+        return float(np.sqrt(piece[2] * piece[2] + piece[3] * piece[3]))
+
+    # ---- lifting --------------------------------------------------------------------------------------------
+
+    def lift(self, bot: int, bucket: int) -> None:
+        """Put a bucket on a standing bot, centred."""
+        self.bucket[bot] = bucket
+        self.carrier[bucket] = bot
+
+    def set_down(self, bot: int, t: float) -> int:
+        """Take the bucket off a standing bot; which one it was."""
+        bucket = int(self.bucket[bot])
+        self._bucket_xy[bucket] = self.place(bot, t)
+        self.bucket[bot] = -1
+        self.carrier[bucket] = -1
+        self._loose[self._loose_count] = bucket
+        self._loose_count = min(self._loose_count + 1, _LOOSE - 1)
+        return bucket
+
+    # ---- touching -------------------------------------------------------------------------------------------
+
+    def contacts(self, t0: float, t1: float) -> list[Contact]:
+        """All contacts within a new window."""
+        self._loose[:] = -1
+        self._loose_count = 0
+        begin_window(
+            self._state, self._segments, self._count, self._bucket_xy, self.carrier, t0,
+            self._cell, self._nx, self._ny, *self._grids, self._places,
+        )  # fmt: skip
+        return self.contacts_of(np.flatnonzero(self.moving), t0, t1, True)
+
+    def contacts_of(self, bots: NDArray[np.int64], t0: float, t1: float, ordered: bool = False) -> list[Contact]:
+        """The contacts of some bots within (the rest of) the window; `ordered`: each pair of moving bots once."""
+        n = contacts_of_some(
+            bots, ordered, self._state, self._segments, self._count, self.moving, self.bucket, self._bucket_xy,
+            self.carrier, self._loose, t0, t1, self._r_bot, self._r_bucket, self._cell, self._nx, self._ny,
+            *self._grids, self._places, self._reach, self._when, self._who, self._other,
+        )  # fmt: skip
+        if n == 0:
+            return []
+        return list(zip(self._when[:n].tolist(), self._who[:n].tolist(), self._other[:n].tolist(), strict=True))
+
+    def touch_kind(self, bot: int, other: int) -> bool:
+        """Whether a contact between two bots is one of their buckets (True) or of the bots themselves (False)."""
+        return bool(self.bucket[bot] >= 0 and self.bucket[other] >= 0 and self._r_bucket > self._r_bot)
+
+    # ---- checkpoint -----------------------------------------------------------------------------------------
+
+    _KEPT = (
+        "_state", "_segments", "_count", "_odometer", "moving", "bucket", "_bucket_xy", "carrier", "_loose",
+        "_places",
+    )  # fmt: skip
+
+    def capture(self) -> dict[str, Any]:
+        """Everything that moves, and the cells of the present window, for a checkpoint."""
+        state = {name: getattr(self, name).tolist() for name in self._KEPT}
+        return {**state, "grids": [grid.tolist() for grid in self._grids], "loose_count": self._loose_count}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """The opposite of `capture`."""
+        for name in self._KEPT:
+            array = getattr(self, name)
+            array[...] = np.array(state[name], dtype=array.dtype).reshape(array.shape)
+        for grid, captured in zip(self._grids, state["grids"], strict=True):
+            grid[:] = captured
+        self._loose_count = state["loose_count"]

@@ -1,0 +1,61 @@
+"""What every layout must fulfil: bodies fit, everything is reachable, nothing is missing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from soup_msgs_py.errors import InputError
+from soup_msgs_py.scenario import MapLayout, Scenario
+from soup_sim.layouts.draft import Draft, body_m
+
+
+def check_pitch(scenario: Scenario, source: object) -> None:
+    """Bodies at neighbouring waypoints do not touch."""
+    pitch, body = scenario.layout.pitch_m, body_m(scenario)
+    if pitch <= body:
+        raise InputError(source, "layout.pitch_m", pitch, f"more than the diameter of bodies, {body:g} m")
+
+
+def check_reachable(draft: Draft, scenario: Scenario, source: object) -> None:
+    """Every station, lane and storage spot can be reached from every station with a bucket, and left again.
+
+    Loaded bots do not drive through storage spots, except in a layout with deep blocks.
+    """
+    plan = scenario.layout
+    where = (plan.path, "") if isinstance(plan, MapLayout) else (source, "layout")
+    passable = np.ones_like(draft.is_spot) if draft.deep else ~draft.is_spot
+    part = draft.parts(passable)
+    home = part[draft.stations[0]]
+    cut_off = passable & (part != home)
+    # stations first: if one is cut off, all else may be cut off from it
+    order = [w for w in draft.stations if cut_off[w]] or np.flatnonzero(cut_off).tolist()
+    if not order and not draft.deep:
+        inside = part == home
+        enterable, leavable = np.zeros_like(inside), np.zeros_like(inside)
+        tails, heads = draft.edges[:, 0], draft.edges[:, 1]
+        enterable[heads[inside[tails]]] = True
+        leavable[tails[inside[heads]]] = True
+        order = np.flatnonzero(draft.is_spot & ~(enterable & leavable)).tolist()
+    if order:
+        first = order[0]
+        found = f"a {_kind(draft, first)} at {draft.name(first)} without a way from and to every station"
+        allowed = "places that a bot with a bucket can reach and leave"
+        raise InputError(*where, found, allowed if draft.deep else f"{allowed}, not through storage spots")
+
+
+def check_counts(draft: Draft, scenario: Scenario, source: object) -> None:
+    """Every bucket has a storage spot, every bot a place to start."""
+    spots, places = int(draft.is_spot.sum()), len(draft.waypoints) - len(draft.stations)
+    if scenario.buckets > spots:
+        allowed = f"at most the {spots} storage spots of this layout"
+        raise InputError(source, "buckets", f"{scenario.buckets} buckets", allowed)
+    if scenario.bots > places:
+        raise InputError(source, "bots", f"{scenario.bots} bots", f"at most {places} here")
+
+
+def _kind(draft: Draft, waypoint: int) -> str:
+    if waypoint in draft.words:
+        return "word station"
+    if waypoint in draft.letters:
+        return "letter station"
+    return "storage spot" if draft.is_spot[waypoint] else "lane"

@@ -1,0 +1,60 @@
+"""Pacing: how far simulated time may go as wall time goes on. It knows no clock; wall time comes in."""
+
+from __future__ import annotations
+
+LONGEST_STRIDE_S = 0.1  # wall time; a machine that is later than this runs the world slower instead of jumping
+
+
+class Pacer:
+    """Lets simulated time follow wall time at a real-time factor.
+
+    Attributes:
+        speed: Simulated seconds a wall second.
+        paused: Whether time stands.
+        end: Simulated time at which the run is over (s).
+        wall_seconds: Wall time that has gone by while time did not stand.
+    """
+
+    def __init__(self, speed: float, end: float, *, paused: bool = False) -> None:
+        """Start at the first call of `until`.
+
+        Args:
+            speed: Simulated seconds a wall second.
+            end: Simulated time at which the run is over (s).
+            paused: Whether time stands at first.
+        """
+        self.speed = speed
+        self.end = end
+        self.paused = paused
+        self.wall_seconds = 0.0
+        self._wall: float | None = None
+        self._pause_at = float("inf")
+
+    def pause(self, paused: bool) -> None:
+        """Make time stand, or go on."""
+        self.paused = paused
+        self._pause_at = float("inf")
+
+    def step(self, now: float, seconds: float) -> None:
+        """Go on from `now` for some simulated seconds, then pause."""
+        self.paused = False
+        self._pause_at = now + seconds
+
+    def until(self, wall: float, now: float) -> float:
+        """How far the world may go.
+
+        Args:
+            wall: Any clock of wall time (s).
+            now: The simulated time that the world has reached (s).
+
+        Returns:
+            The simulated time to go on to, at least `now`.
+        """
+        elapsed = 0.0 if self._wall is None else wall - self._wall
+        self._wall = wall
+        if now >= self._pause_at:
+            self.pause(True)
+        if self.paused or now >= self.end:
+            return now
+        self.wall_seconds += elapsed
+        return max(now, min(now + min(elapsed, LONGEST_STRIDE_S) * self.speed, self._pause_at, self.end))

@@ -1,0 +1,49 @@
+"""From a scenario file to a world: everything that is read and checked before anything starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.scenario import Scenario, load_scenario, load_words
+from soup_msgs_py.words import WordList
+from soup_msgs_py.yaml_input import Overrides
+from soup_sim.arrivals import TimedBundle, TimedWord, read_timed_bundles, read_timed_words
+from soup_sim.layouts import make_layout
+from soup_sim.world import World
+
+
+@dataclass(frozen=True)
+class Warehouse:
+    """A checked scenario and all that belongs to it."""
+
+    scenario: Scenario
+    layout: Layout
+    words: WordList
+    timed_words: tuple[TimedWord, ...]
+    timed_bundles: tuple[TimedBundle, ...]
+
+    def world(self, seed: int, warmup_s: float = 0.0) -> World:
+        """A new world; rates and counts cover what comes after the warm-up (simulated s)."""
+        return World(self.scenario, self.layout, self.words, seed, warmup_s, self.timed_words, self.timed_bundles)
+
+
+def load_warehouse(path: str | Path, overrides: Overrides = ()) -> Warehouse:
+    """Read a scenario file and all files that it names.
+
+    Args:
+        path: The scenario file.
+        overrides: `KEY=VALUE` texts that replace single values.
+
+    Raises:
+        InputError: Anything is wrong.
+    """
+    scenario = load_scenario(path, overrides)
+    return Warehouse(
+        scenario,
+        make_layout(scenario, path),
+        load_words(scenario, path),
+        read_timed_words(scenario, path),
+        read_timed_bundles(scenario, path),
+    )

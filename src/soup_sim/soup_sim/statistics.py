@@ -1,0 +1,174 @@
+"""The figures of a run (paper, "Simulation Parameters and Metrics"), over the time after the warm-up."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from soup_msgs_py.codes import BotState, EventType
+from soup_msgs_py.messages import Event, Floats
+from soup_msgs_py.scenario import Scenario
+
+_GIVEN = ("_scenario", "bound", "_capacity")  # what comes from the scenario, and no checkpoint needs
+_FREE = BotState.FREE  # looked up once: an enumeration's members are slow to reach
+
+
+def word_rate_bound(scenario: Scenario, mean_word_length: float) -> float:
+    """The most words a second that the word stations can build: each moves one tile in `transfer_s` (words/s)."""
+    station = scenario.word_station
+    seconds_per_word = mean_word_length * station.transfer_s + station.clear_s
+    return scenario.word_station_count / seconds_per_word if seconds_per_word > 0 else float("inf")
+
+
+class Statistics:
+    """Counts events and integrates states over time.
+
+    Args:
+        scenario: The scenario.
+        mean_word_length: Mean letters a word, for the bound.
+        inventory: Tiles in buckets at the start.
+    """
+
+    def __init__(self, scenario: Scenario, mean_word_length: float, inventory: int) -> None:
+        self._scenario = scenario
+        self.bound = word_rate_bound(scenario, mean_word_length)
+        self._capacity = scenario.bucket.capacity * scenario.buckets
+        self._inventory = inventory
+        self._state = [BotState.FREE] * scenario.bots
+        self._idle_since = [0.0] * scenario.bots
+        self._last_visit = [-1] * scenario.bots
+        self._busy_since: dict[int, float] = {}
+        self._begin(0.0, np.zeros(scenario.bots))
+
+    def _begin(self, now: float, driven: Floats) -> None:
+        """Start counting anew: the warm-up is over."""
+        self._start, self._driven_start = now, driven.copy()
+        self.words_completed = self.letters_in_words = self.letters_dispensed = 0
+        self.grabs = self.releases = self.bot_collisions = self.bucket_collisions = 0
+        self._word_transfers = self._letter_transfers = self._word_visits = self._letter_visits = 0
+        self._idle = 0.0
+        self._idle_since = [now] * len(self._state)
+        self._busy = [0.0, 0.0]
+        self._busy_since = dict.fromkeys(self._busy_since, now)
+        self._fill_area, self._fill_since = 0.0, now
+        self._inventory_start = self._inventory
+
+    def begin_window(self, now: float, driven: Floats) -> None:
+        """Forget what the warm-up counted; `driven` is each bot's odometer now (m)."""
+        self._begin(now, driven)
+
+    def count(self, event: Event) -> None:
+        """Take one event in."""
+        kind = event.type
+        if kind is EventType.TRANSFERRED:
+            at_words = event.station < self._scenario.word_station_count
+            visit = self._last_visit[event.bot] != event.station
+            self._last_visit[event.bot] = event.station
+            self._fill(event.time)
+            if at_words:
+                self._inventory -= 1
+                self._word_transfers += 1
+                self._word_visits += visit
+            else:
+                self._inventory += 1
+                self.letters_dispensed += 1
+                self._letter_transfers += 1
+                self._letter_visits += visit
+        elif kind is EventType.WORD_COMPLETED:
+            self.words_completed += 1
+            self.letters_in_words += event.count
+        elif kind is EventType.GRABBED:
+            self.grabs += 1
+            self._last_visit[event.bot] = -1
+        elif kind is EventType.RELEASED:
+            self.releases += 1
+            self._last_visit[event.bot] = -1
+        elif kind is EventType.BOT_COLLISION:
+            self.bot_collisions += 1
+        elif kind is EventType.BUCKET_COLLISION:
+            self.bucket_collisions += 1
+
+    def bot_state(self, bot: int, state: BotState, now: float) -> None:
+        """A bot's body does something else from now on."""
+        old = self._state[bot]
+        if old is state:
+            return
+        if old is _FREE:
+            self._idle += now - self._idle_since[bot]
+        elif state is _FREE:
+            self._idle_since[bot] = now
+        self._state[bot] = state
+
+    def station_busy(self, station: int, busy: bool, now: float) -> None:
+        """A station begins or ends doing something."""
+        if busy:
+            self._busy_since.setdefault(station, now)
+        elif station in self._busy_since:
+            kind = 0 if station < self._scenario.word_station_count else 1
+            self._busy[kind] += now - self._busy_since.pop(station)
+
+    def capture(self) -> dict[str, Any]:
+        """Everything that this part remembers, for a checkpoint."""
+        state = {key: value for key, value in vars(self).items() if key not in _GIVEN}
+        state["_driven_start"] = self._driven_start.tolist()
+        state["_state"] = [int(value) for value in self._state]
+        state["_busy_since"] = sorted(self._busy_since.items())
+        return state
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """The opposite of `capture`."""
+        vars(self).update({key: list(value) if isinstance(value, list) else value for key, value in state.items()})
+        self._driven_start = np.array(state["_driven_start"])
+        self._state = [BotState(value) for value in state["_state"]]
+        self._busy_since = dict(map(tuple, state["_busy_since"]))
+
+    def _fill(self, now: float) -> None:
+        self._fill_area += self._inventory * (now - self._fill_since)
+        self._fill_since = now
+
+    def figures(self, now: float, driven: Floats) -> dict[str, float | int]:
+        """All figures at simulated time `now`; `driven` is each bot's odometer (m)."""
+        scenario = self._scenario
+        seconds = now - self._start
+        per_second = 1.0 / seconds if seconds > 0 else 0.0
+        distance = float((driven - self._driven_start).sum())
+        standing = zip(self._state, self._idle_since, strict=True)
+        idle = self._idle + sum(now - since for state, since in standing if state is _FREE)
+        busy = list(self._busy)
+        for station, since in self._busy_since.items():
+            busy[0 if station < scenario.word_station_count else 1] += now - since
+        self._fill(now)
+        fill = self._fill_area * per_second if seconds > 0 else float(self._inventory)
+        rate = self.words_completed * per_second
+        return {
+            "sim_seconds": now,
+            "words_completed": self.words_completed,
+            "letters_in_words": self.letters_in_words,
+            "words_per_second": rate,
+            "word_rate_bound": self.bound,
+            "fraction_of_bound": rate / self.bound,
+            "letters_dispensed": self.letters_dispensed,
+            "distance_total_m": distance,
+            "distance_mean_m": distance / scenario.bots,
+            "grabs": self.grabs,
+            "releases": self.releases,
+            "bot_collisions": self.bot_collisions,
+            "bucket_collisions": self.bucket_collisions,
+            "bot_idle_fraction": idle * per_second / scenario.bots,
+            "bucket_fill_mean": fill / self._capacity,
+            "pile_on_word": _ratio(self._word_transfers, self._word_visits),
+            "pile_on_letter": _ratio(self._letter_transfers, self._letter_visits),
+            "word_station_idle_fraction": _idle(busy[0] * per_second, scenario.word_station_count, seconds),
+            "letter_station_idle_fraction": _idle(busy[1] * per_second, scenario.letter_station_count, seconds),
+            "inventory_fill_start": self._inventory_start / self._capacity,
+            "inventory_fill_end": self._inventory / self._capacity,
+        }
+
+
+def _ratio(tiles: int, visits: int) -> float:
+    return tiles / visits if visits else 0.0
+
+
+def _idle(busy_stations: float, stations: int, seconds: float) -> float:
+    return 1.0 - busy_stations / stations if seconds > 0 else 1.0

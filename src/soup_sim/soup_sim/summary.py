@@ -1,0 +1,80 @@
+"""The summary of a run: one JSON file and one table, the same keys for every way of running."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from soup_msgs_py.policies import ROLES, Policies
+from soup_msgs_py.scenario import Scenario
+
+KEYS = (
+    "sim_seconds", "wall_seconds", "real_time_factor", "words_completed", "letters_in_words", "words_per_second",
+    "word_rate_bound", "fraction_of_bound", "letters_dispensed", "distance_total_m", "distance_mean_m", "grabs",
+    "releases", "bot_collisions", "bucket_collisions", "bot_idle_fraction", "bucket_fill_mean", "pile_on_word",
+    "pile_on_letter", "word_station_idle_fraction", "letter_station_idle_fraction", "inventory_fill_start",
+    "inventory_fill_end", "bots", "buckets", "word_stations", "letter_stations", "scenario", "policies", "seed",
+    "violations",
+)  # fmt: skip
+
+
+def make_summary(
+    figures: Mapping[str, Any], scenario: Scenario, policies: Policies, seed: int, violations: int
+) -> dict[str, Any]:
+    """All keys of a summary, in their order.
+
+    Args:
+        figures: What `World.statistics` gives.
+        scenario: The scenario of the run.
+        policies: Its policies.
+        seed: Its seed.
+        violations: Broken laws that the judge has counted.
+    """
+    values = {
+        **figures,
+        "bots": scenario.bots,
+        "buckets": scenario.buckets,
+        "word_stations": scenario.word_station_count,
+        "letter_stations": scenario.letter_station_count,
+        "scenario": scenario.name,
+        "policies": {role: getattr(policies, role).name for role in ROLES},
+        "seed": seed,
+        "violations": violations,
+    }
+    return {key: _plain(values[key]) for key in KEYS}
+
+
+def write_summary(path: str | Path, summary: Mapping[str, Any]) -> None:
+    """Write a summary as JSON, whole or not at all."""
+    path = Path(path)
+    half = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        half.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+        half.replace(path)
+    finally:
+        half.unlink(missing_ok=True)
+
+
+def table(summary: Mapping[str, Any]) -> Table:
+    """A summary as a table for the screen."""
+    shown = Table("figure", "value", title=f"Warehouse {summary['scenario']}", title_justify="left")
+    shown.columns[1].justify = "right"
+    for key, value in summary.items():
+        if isinstance(value, float):
+            text = f"{value:,.4f}" if abs(value) < 100 else f"{value:,.1f}"
+        elif isinstance(value, dict):
+            text = ", ".join(f"{role} {name}" for role, name in value.items())
+        else:
+            text = f"{value:,}" if isinstance(value, int) else str(value)
+        shown.add_row(key, text)
+    return shown
+
+
+def _plain(value: Any) -> Any:
+    """A value that JSON knows, where numpy gave one of its own."""
+    return value.item() if hasattr(value, "item") else value

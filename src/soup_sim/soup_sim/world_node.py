@@ -1,0 +1,296 @@
+"""The world's node: carries requests to the world and tells everybody what happens, at the pace asked for."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Path as RosPath
+from rclpy.duration import Duration
+from rich.console import Console
+from rosgraph_msgs.msg import Clock
+from soup_msgs import msg, srv
+from std_srvs.srv import SetBool
+
+from soup_msgs_py import topics
+from soup_msgs_py.arguments import Parser, add_run, add_scenario, add_speed, check_run
+from soup_msgs_py.codes import Code
+from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
+from soup_msgs_py.live.process import Live, exit_status
+from soup_msgs_py.live.report import PartsWatch, Report
+from soup_msgs_py.live.services import Answer, serve
+from soup_msgs_py.messages import BotReply, Event, Reply
+from soup_msgs_py.mind import Message
+from soup_msgs_py.policies import Policies, PolicyChoice
+from soup_msgs_py.qos import COMMANDS, DISPLAY, EVERY_ONE, LATCHED
+from soup_msgs_py.wire import (
+    Announcement,
+    assign_bundle_response,
+    assign_word_response,
+    fill_result,
+    from_bot_request,
+    from_path,
+    from_ros,
+    from_twist,
+    to_ros,
+    to_stamp,
+    to_statistics,
+)
+from soup_sim.checkpoint import write_checkpoint
+from soup_sim.markers_node import Markers
+from soup_sim.pacing import Pacer
+from soup_sim.rehearsal import rehearse
+from soup_sim.run_record import RunRecord
+from soup_sim.setup import load_warehouse
+from soup_sim.summary import table
+from soup_sim.world import World
+
+TICK_S = 0.01  # wall time between two looks at the pace
+SLOWEST_POSES_S, FASTEST_POSES_S = 0.1, 1.0 / 30.0  # wall time between two poses
+MARKERS_S = 0.25
+SNAPSHOT_S = 1.0
+STATIONS_S = 0.2
+STATISTICS_S = 1.0
+LONGEST_STEP_S = 3600.0
+FAREWELL = Duration(seconds=0.3)  # for everybody to get the last messages
+CHECKPOINT_SUFFIX = ".checkpoint"  # so that nobody on the network can have another file overwritten
+
+
+class WorldNode:
+    """Node `/world`.
+
+    Attributes:
+        over: Whether the run has reached its end.
+    """
+
+    def __init__(self, live: Live, node: Any, world: World, pacer: Pacer, record: RunRecord) -> None:
+        """Begin to publish and to listen.
+
+        Args:
+            live: The process.
+            node: The node `world`.
+            world: The world itself.
+            pacer: How fast it runs, and until when.
+            record: Keeps the run's books.
+        """
+        self.over = False
+        self._live, self._world, self._pacer, self._record = live, world, pacer, record
+        self._refused = 0
+        self._steps: list[Answer] = []
+        self._rate_from = (0.0, 0.0)
+        self._clock = node.create_publisher(Clock, topics.CLOCK, DISPLAY)
+        self._scenario = node.create_publisher(msg.Scenario, topics.SCENARIO, LATCHED)
+        self._snapshot = node.create_publisher(msg.Snapshot, topics.SNAPSHOT, LATCHED)
+        self._bots = node.create_publisher(msg.Bots, topics.BOTS, DISPLAY)
+        self._buckets = node.create_publisher(msg.Buckets, topics.BUCKETS, DISPLAY)
+        self._stations = node.create_publisher(msg.Stations, topics.STATIONS, DISPLAY)
+        self._events = node.create_publisher(msg.Event, topics.EVENTS, EVERY_ONE)
+        self._replies = node.create_publisher(msg.BotReply, topics.REPLIES, EVERY_ONE)
+        self._statistics = node.create_publisher(msg.Statistics, topics.STATISTICS, DISPLAY)
+        self._markers = Markers(node, world.scenario, world.layout)
+        self._parts = PartsWatch(live, node)
+        self._report = Report(live, node)
+        self._report.works()
+        self._listen(node)
+        profile = tuple(map(float, world.tile_profile))
+        self._scenario.publish(to_ros(Announcement(world.now, world.scenario, world.layout, profile)))
+        self._poses_s = world.scenario.bot.radius_m / world.scenario.bot.max_speed_mps
+        self._poses_due = 0.0
+        live.every(TICK_S, self._tick)
+        live.every(SNAPSHOT_S, self._publish_snapshot)
+        live.every(STATIONS_S, lambda: self._stations.publish(to_ros(world.stations())))
+        live.every(STATISTICS_S, self._publish_statistics)
+        live.every(MARKERS_S, lambda: self._markers.publish(world.bots(), world.buckets()))
+
+    def _listen(self, node: Any) -> None:
+        live, bots = self._live, self._world.scenario.bots
+        for bot in range(bots):
+            velocity, path = topics.bot_topic(bot, topics.CMD_VEL), topics.bot_topic(bot, topics.PATH)
+            live.subscribe(node, Twist, velocity, lambda m, bot=bot: self._ask(from_twist(m, bot)), COMMANDS)
+            live.subscribe(node, RosPath, path, lambda m, bot=bot: self._ask(from_path(m, bot)), COMMANDS)
+        live.subscribe(node, msg.BotRequest, topics.REQUESTS, lambda m: self._ask(from_bot_request(m, bots)), EVERY_ONE)
+        serve(live, node, srv.AssignWord, topics.ASSIGN_WORD, self._on_assign_word)
+        serve(live, node, srv.AssignBundle, topics.ASSIGN_BUNDLE, self._on_assign_bundle)
+        serve(live, node, SetBool, topics.PAUSE, self._on_pause)
+        serve(live, node, srv.Step, topics.STEP, self._on_step)
+        serve(live, node, srv.SetSpeed, topics.SET_SPEED, self._on_set_speed)
+        serve(live, node, srv.Checkpoint, topics.CHECKPOINT, self._on_checkpoint)
+
+    def policies(self) -> Policies:
+        """What the parts that are at work say that they follow."""
+        chosen = dict.fromkeys(("word", "letter", "fleet", "bot"), "none")
+        for part, values in self._parts.at_work.items():
+            role = part.split()[0].removesuffix("s")
+            if role in chosen and "policy" in values:
+                chosen[role] = values["policy"]
+        return Policies(**{role: PolicyChoice(name=name) for role, name in chosen.items()})
+
+    # ---- time ---------------------------------------------------------------------------------------------
+
+    def _tick(self) -> None:
+        self._advance()
+        world, wall = self._world, time.monotonic()
+        self._report.time = world.now
+        self._clock.publish(Clock(clock=to_stamp(world.now)))
+        if wall >= self._poses_due:
+            period = self._poses_s / self._pacer.speed
+            self._poses_due = wall + min(max(period, FASTEST_POSES_S), SLOWEST_POSES_S)
+            bots, buckets = world.bots(), world.buckets()
+            self._buckets.publish(to_ros(buckets))
+            self._bots.publish(to_ros(bots))
+            self._record.poses(bots, buckets)
+        if self._steps and self._pacer.paused:
+            for answer in self._steps:
+                answer.give(fill_result(srv.Step.Response(), Code.DONE, f"it is {world.now:g} s now"))
+            self._steps.clear()
+        if world.now >= self._pacer.end:
+            self.over = True
+            self._publish_snapshot()
+            self._publish_statistics()
+            for publisher in (self._events, self._replies, self._snapshot, self._statistics):
+                publisher.wait_for_all_acked(FAREWELL)
+            self._live.stop()
+
+    def _advance(self) -> None:
+        until = self._pacer.until(time.monotonic(), self._world.now)
+        if until > self._world.now:
+            self._tell(self._world.advance(until))
+
+    def _ask(self, message: Message) -> Reply | None:
+        """Hand a request to the world at the time that it is now; its answer to a manager."""
+        self._advance()
+        return self._tell(self._world.handle(message))
+
+    def _tell(self, said: list[Event | BotReply | Reply]) -> Reply | None:
+        answer = None
+        for message in said:
+            if isinstance(message, Event):
+                self._record.event(message)
+                self._events.publish(to_ros(message))
+            else:
+                self._refused += not message.success
+                if isinstance(message, BotReply):
+                    self._replies.publish(to_ros(message))
+                else:
+                    answer = message
+        return answer
+
+    # ---- services -----------------------------------------------------------------------------------------
+
+    def _on_assign_word(self, request: srv.AssignWord.Request, answer: Answer) -> None:
+        reply = self._ask(from_ros(request))
+        assert reply is not None
+        answer.give(assign_word_response(reply))
+
+    def _on_assign_bundle(self, request: srv.AssignBundle.Request, answer: Answer) -> None:
+        reply = self._ask(from_ros(request))
+        assert reply is not None
+        answer.give(assign_bundle_response(reply))
+
+    def _on_pause(self, request: SetBool.Request, answer: Answer) -> None:
+        self._advance()
+        self._pacer.pause(request.data)
+        state = "stands" if request.data else "goes on"
+        answer.give(SetBool.Response(success=True, message=f"time {state} at {self._world.now:g} s"))
+
+    def _on_step(self, request: srv.Step.Request, answer: Answer) -> None:
+        if not self._pacer.paused:
+            why = "the world is not paused; call /world/pause first"
+            answer.give(fill_result(srv.Step.Response(), Code.MOVING, why))
+        elif not 0.0 < request.seconds <= LONGEST_STEP_S:
+            why = f"found {request.seconds:g} s; allowed: above 0, at most {LONGEST_STEP_S:g}"
+            answer.give(fill_result(srv.Step.Response(), Code.INVALID, why))
+        else:
+            self._pacer.step(self._world.now, request.seconds)
+            self._steps.append(answer)
+
+    def _on_set_speed(self, request: srv.SetSpeed.Request, answer: Answer) -> None:
+        self._advance()
+        factor = request.real_time_factor
+        if not 0.0 < factor < float("inf"):
+            why = f"found a real-time factor of {factor:g}; allowed: a number above 0"
+            answer.give(fill_result(srv.SetSpeed.Response(), Code.INVALID, why))
+            return
+        self._pacer.speed = factor
+        answer.give(fill_result(srv.SetSpeed.Response(), Code.DONE, f"the real-time factor is {factor:g}"))
+
+    def _on_checkpoint(self, request: srv.Checkpoint.Request, answer: Answer) -> None:
+        path = Path(request.path)
+        code, message = Code.DONE, f"written to {path}"
+        if path.suffix != CHECKPOINT_SUFFIX:
+            code, message = (
+                Code.INVALID,
+                f"found {request.path!r}; allowed: a file that ends in {CHECKPOINT_SUFFIX}",
+            )
+        else:
+            try:
+                write_checkpoint(path, self._world)
+            except OSError as error:
+                code, message = Code.INVALID, f"{path}: {error.strerror}"
+        answer.give(fill_result(srv.Checkpoint.Response(), code, message))
+
+    # ---- now and then -------------------------------------------------------------------------------------
+
+    def _publish_snapshot(self) -> None:
+        self._snapshot.publish(to_ros(self._world.snapshot()))
+
+    def _publish_statistics(self) -> None:
+        world, wall = self._world, self._pacer.wall_seconds
+        figures = world.statistics(wall)
+        seconds, since = world.now - self._rate_from[0], wall - self._rate_from[1]
+        self._rate_from = world.now, wall
+        figures["real_time_factor"] = seconds / since if since > 0.0 else 0.0
+        figures["refused_requests"] = self._refused
+        figures["malformed_messages"] = self._live.malformed
+        figures["violations"] = self._record.violations
+        self._statistics.publish(to_statistics(world.now, figures))
+
+
+def main(argv: Sequence[str] | None = None, *, scenario: Path | None = None) -> int:
+    """Run the world in this process; its exit status."""
+    parser = Parser("Run the world of a warehouse: physics, stations, orders.")
+    add_scenario(parser, scenario)
+    add_run(parser)
+    add_speed(parser)
+    parser.add_argument("--paused", action="store_true", help="time stands until /world/pause is called")
+    options = parser.parse_args(argv)
+    check_run(parser, options)
+    return exit_status(lambda: run_world(options))
+
+
+def run_world(options: Any) -> None:
+    """Run a world as the command line says.
+
+    Raises:
+        InputError: Scenario, words or layout are wrong, or there is another world.
+    """
+    warehouse = load_warehouse(options.scenario, options.set)
+    rehearse(warehouse.world(options.seed))
+    stay_on_this_machine()
+    with Live("world") as live:
+        node = live.node(topics.WORLD_NODE)
+        refuse_second_world(live, node)
+        if live.stopping:
+            return
+        console = Console()
+        console.print(warehouse.words.describe(), style="dim", highlight=False)
+        world = warehouse.world(options.seed, options.warmup)
+        pacer = Pacer(options.speed, options.duration or float("inf"), paused=options.paused)
+        record = RunRecord(world, options.seed, options.summary, options.event_log)
+        try:
+            shell = WorldNode(live, node, world, pacer, record)
+            live.spin()
+            summary = record.finish(pacer.wall_seconds, shell.policies())
+        finally:
+            record.close()
+    console.print(table(summary))
+    for line in record.why():
+        console.print(line, style="red", highlight=False)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

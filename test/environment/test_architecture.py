@@ -1,0 +1,125 @@
+"""The rules that hold over all sources: who may import whom, where ROS may appear, what no module does."""
+
+import ast
+from collections.abc import Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+
+import pytest
+
+import _environment
+
+SOURCES = _environment.ROOT / "src"
+PACKAGES = ("soup_msgs_py", "soup_sim", "soup_bots", "soup_managers", "soup_lab", "soup_dashboard")
+
+# A package and the packages of ours that it may import, itself left out.
+MAY_IMPORT = {
+    "soup_msgs_py": set(),
+    "soup_sim": {"soup_msgs_py"},
+    "soup_bots": {"soup_msgs_py"},
+    "soup_managers": {"soup_msgs_py"},
+    "soup_dashboard": {"soup_msgs_py"},
+    "soup_lab": set(PACKAGES),
+}
+
+# The only modules that may know ROS, below src/<package>/: the nodes and what serves them.
+ROS_MODULES = (
+    "*_node.py",
+    "soup_msgs_py/wire/*.py",
+    "soup_msgs_py/qos.py",
+    "soup_msgs_py/live/*.py",
+    "soup_bots/bot_host.py",
+    "soup_lab/bag_*.py",
+)
+ROS_PREFIXES = ("rcl", "rosidl", "rmw", "ament", "rosbag2", "tf2")
+ROS_SUFFIXES = ("_msgs", "_srvs", "_interfaces")
+
+
+def modules() -> list[Path]:
+    """All modules of our packages, as paths below src/<package>/."""
+    return sorted(
+        file.relative_to(SOURCES / name) for name in PACKAGES for file in (SOURCES / name / name).rglob("*.py")
+    )
+
+
+def read(module: Path) -> ast.Module:
+    return ast.parse((SOURCES / module.parts[0] / module).read_text())
+
+
+def imported(tree: ast.AST) -> Iterator[tuple[str, int]]:
+    """Yield the top-level name and the line of every import, also those inside functions and by importlib."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                yield alias.name.split(".")[0], node.lineno
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            yield node.module.split(".")[0], node.lineno
+        elif isinstance(node, ast.Call) and name_of(node.func) in ("import_module", "__import__") and node.args:
+            first = node.args[0]
+            if isinstance(first, ast.Constant) and isinstance(first.value, str):
+                yield first.value.split(".")[0], node.lineno
+
+
+def name_of(function: ast.expr) -> str:
+    return function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+
+
+def is_ros(name: str) -> bool:
+    return name.startswith(ROS_PREFIXES) or name.endswith(ROS_SUFFIXES)
+
+
+def yaml_loads(tree: ast.AST) -> Iterator[int]:
+    """Yield the lines that call a loader of PyYAML which can make arbitrary objects."""
+    unsafe = {"load", "load_all", "unsafe_load", "unsafe_load_all", "full_load", "full_load_all"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and name_of(node.value) == "yaml" and node.attr in unsafe:
+            yield node.lineno
+        elif isinstance(node, ast.ImportFrom) and node.module == "yaml":
+            yield from (node.lineno for alias in node.names if alias.name in unsafe)
+
+
+def test_every_package_is_looked_at():
+    assert {module.parts[0] for module in modules()} == set(PACKAGES)
+    assert {file.parent.name for file in SOURCES.glob("*/setup.py")} == set(PACKAGES)
+
+
+@pytest.mark.parametrize("module", modules(), ids=str)
+def test_a_module_imports_only_packages_that_its_own_may_know(module: Path):
+    own = module.parts[0]
+    known = MAY_IMPORT[own] | {own}
+    wrong = [
+        f"{module}:{line} imports {name}"
+        for name, line in imported(read(module))
+        if name in PACKAGES and name not in known
+    ]
+    assert not wrong
+
+
+@pytest.mark.parametrize("module", modules(), ids=str)
+def test_ros_appears_only_in_the_shells(module: Path):
+    if any(fnmatch(str(module), pattern) for pattern in ROS_MODULES):
+        return
+    wrong = [f"{module}:{line} imports {name}" for name, line in imported(read(module)) if is_ros(name)]
+    assert not wrong
+
+
+@pytest.mark.parametrize("name", ["rclpy", "soup_msgs", "std_srvs", "builtin_interfaces", "geometry_msgs"])
+def test_the_rule_knows_ros_by_name(name: str):
+    assert list(imported(ast.parse(f"def f():\n    from {name}.msg import X"))) == [(name, 2)]
+    assert is_ros(name)
+
+
+def test_our_own_python_is_not_taken_for_ros():
+    assert not any(is_ros(name) for name in (*PACKAGES, "numpy", "yaml", "rich", "rosbags"))
+
+
+def every_file() -> list[Path]:
+    files = [*SOURCES.rglob("*.py"), *(_environment.ROOT / "scripts").rglob("*.py")]
+    return sorted(file.relative_to(_environment.ROOT) for file in files)
+
+
+@pytest.mark.parametrize("file", every_file(), ids=str)
+def test_a_file_says_what_it_is_and_loads_yaml_safely(file: Path):
+    tree = ast.parse((_environment.ROOT / file).read_text())
+    assert ast.get_docstring(tree), f"{file} has no docstring"
+    assert not list(yaml_loads(tree)), f"{file} loads YAML in a way that can run code"

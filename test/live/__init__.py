@@ -1,0 +1,1 @@
+"""Tests with real ROS nodes in real processes."""

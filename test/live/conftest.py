@@ -1,0 +1,145 @@
+"""Live tests: real nodes in real processes, each test in a ROS domain of its own; no process outlives its test."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import _environment
+
+SCRIPTS = _environment.ROOT / "scripts"
+MARK = "SOUP_TEST"  # environment variable by which a test knows its processes, grandchildren included
+PATIENCE_S = 120.0
+ENDS_S = 10.0  # the promise is 3; a busy machine gets more, a process that hangs is still found
+
+
+@pytest.fixture
+def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+    """A ROS domain that no other test of this machine has, in this process and all that it starts."""
+    for number in range(20, 100):  # higher ones use ports that outgoing connections may have
+        with open(Path(tempfile.gettempdir()) / f"soup-test-domain-{number}", "w") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                continue
+            monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+            yield str(number)
+            return
+    pytest.fail("no free ROS domain")
+
+
+class Parts:
+    """The processes of one test."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.mark = uuid.uuid4().hex
+        self._started: list[subprocess.Popen[str]] = []
+        self._memory: set[Path] = set()
+
+    def start(self, script: str, *arguments: str) -> subprocess.Popen[str]:
+        """Start a program of `scripts/`, away from any terminal."""
+        process = subprocess.Popen(
+            [sys.executable, str(SCRIPTS / script), *arguments],
+            cwd=self.folder,
+            env={**os.environ, MARK: self.mark},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        self._started.append(process)
+        return process
+
+    def run(self, script: str, *arguments: str) -> tuple[int, str, str]:
+        """Run a program to its end: status, stdout, stderr."""
+        process = self.start(script, *arguments)
+        out, err = process.communicate(timeout=PATIENCE_S)
+        return process.returncode, out, err
+
+    def interrupt(self, process: subprocess.Popen[str], number: int = signal.SIGINT) -> float:
+        """End a program as Ctrl-C does; how long that took (s)."""
+        began = time.monotonic()
+        process.send_signal(number)
+        process.communicate(timeout=PATIENCE_S)
+        return time.monotonic() - began
+
+    def alive(self) -> list[int]:
+        """All processes of the test that still run, whoever started them."""
+        found = []
+        for entry in Path("/proc").iterdir():
+            with contextlib.suppress(OSError):
+                if entry.name.isdecimal() and f"{MARK}={self.mark}".encode() in (entry / "environ").read_bytes():
+                    found.append(int(entry.name))
+        return found
+
+    def all_gone(self, patience_s: float = ENDS_S) -> bool:
+        """Whether no process is left, now or within some seconds."""
+        deadline = time.monotonic() + patience_s
+        while self.alive() and time.monotonic() < deadline:
+            time.sleep(0.05)
+        return not self.alive()
+
+    def shared_memory(self) -> set[Path]:
+        """The files in /dev/shm that the processes of the test alone have open: segments, ports of their domain."""
+        first = 7400 + 250 * int(os.environ["ROS_DOMAIN_ID"])  # where DDS counts a domain's ports from
+        own_ports = range(first, first + 250)
+        files = set()
+        for number in self.alive():
+            with contextlib.suppress(OSError):
+                for line in Path(f"/proc/{number}/maps").read_text().splitlines():
+                    place = re.match(r".*(/dev/shm/fastrtps_(?:port(\d+)|[0-9a-f]{16}))$", line)
+                    if place is not None and (place[2] is None or int(place[2]) in own_ports):
+                        files.add(Path(place[1]))
+        self._memory |= files
+        return files
+
+    def close(self) -> None:
+        """Kill what is left, and remove what killed processes leave in shared memory."""
+        self.shared_memory()
+        for number in self.alive():
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(number, signal.SIGKILL)
+        for process in self._started:
+            process.communicate()
+        for file in self._memory:
+            for rest in (file, file.with_name(f"{file.name}_el"), file.with_name(f"sem.{file.name}_mutex")):
+                rest.unlink(missing_ok=True)
+
+
+@pytest.fixture
+def parts(domain: str, tmp_path: Path) -> Iterator[Parts]:
+    """Starts programs; whatever is left at the end of the test is killed, and the test has failed."""
+    parts = Parts(tmp_path)
+    try:
+        yield parts
+        assert parts.all_gone(), f"processes {parts.alive()} outlive their test"
+    finally:
+        parts.close()
+
+
+def wait_until(condition: Callable[[], object], what: str, patience_s: float = PATIENCE_S) -> None:
+    """Wait for something that other processes do."""
+    deadline = time.monotonic() + patience_s
+    while not condition():
+        assert time.monotonic() < deadline, f"waited in vain: {what}"
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def prose() -> str:
+    """A text file of plain English, whose words are short."""
+    return str(_environment.ROOT / "config" / "words" / "prose.txt")

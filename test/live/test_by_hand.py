@@ -1,0 +1,89 @@
+"""A person drives one bot from a program of their own: cmd_vel, grab, transfer, release."""
+
+from __future__ import annotations
+
+import pytest
+from soup_msgs import msg, srv
+from std_srvs.srv import SetBool
+
+from .conftest import ENDS_S, Parts
+from .person import Person
+
+pytestmark = [pytest.mark.live, pytest.mark.timeout(180)]
+WITHIN_M = 0.05
+
+
+def test_a_person_fetches_a_bucket_serves_a_word_and_brings_the_bucket_back(parts: Parts):
+    world = parts.start("run_world.py", "--speed", "3", "--set", "bots=1", "--set", "buckets=1")
+    bot = parts.start("run_bots.py", "0")
+    with Person() as person:
+        for kind, topic in ((msg.Bots, "/world/bots"), (msg.Buckets, "/world/buckets")):
+            person.listen(kind, topic)
+        for kind, topic in ((msg.Scenario, "/world/scenario"), (msg.Snapshot, "/world/snapshot")):
+            person.listen(kind, topic, latched=True)
+        person.listen(msg.BotStatus, "/bot_0/status", latched=True)
+        everything = {"/world/buckets", "/world/scenario", "/world/snapshot", "/bot_0/status"}
+        person.wait(lambda: everything <= person.heard.keys(), "the world and the bot are there")
+        layout, buckets = person.heard["/world/scenario"].layout, person.heard["/world/buckets"]
+        spot = buckets.x[0], buckets.y[0]
+        waypoint = layout.word_stations[0]
+        station = layout.waypoint_x[waypoint], layout.waypoint_y[waypoint]
+
+        refused(person.call(srv.Grab, "/bot_0/grab"), "out_of_tolerance")
+        refused(person.call(srv.Release, "/bot_0/release"), "not_carrying")
+        refused(person.call(srv.Transfer, "/bot_0/transfer"), "not_carrying")
+
+        person.drive(0, *spot, WITHIN_M)
+        granted(person.call(srv.Grab, "/bot_0/grab"))
+        refused(person.call(srv.Grab, "/bot_0/grab"), "already_carrying")
+        refused(person.call(srv.Transfer, "/bot_0/transfer", station=0), "out_of_tolerance")
+        refused(person.call(srv.Transfer, "/bot_0/transfer", tile="?"), "invalid")
+
+        person.drive(0, *station, WITHIN_M)
+        refused(person.call(srv.Release, "/bot_0/release"), "out_of_tolerance")
+        refused(person.call(srv.Transfer, "/bot_0/transfer"), "not_needed")
+        snapshot = person.heard["/world/snapshot"]
+        inside = set(snapshot.content_tile)
+        word = next(word for word in snapshot.waiting_words if inside & set(word.tiles))
+        granted(person.call(srv.AssignWord, "/world/assign_word", word=word.word, station=0))
+        granted(person.call(srv.Transfer, "/bot_0/transfer"))
+        person.wait(lambda: person.heard["/world/buckets"].tiles[0] == buckets.tiles[0] - 1, "the tile is gone")
+
+        person.drive(0, *spot, WITHIN_M)
+        granted(person.call(srv.Release, "/bot_0/release"))
+        person.wait(lambda: person.heard["/world/buckets"].bot[0] == -1, "the bucket rests")
+        person.wait(lambda: person.heard["/bot_0/status"].phase == "idle", "the bot stands idle")
+    assert parts.interrupt(bot) < ENDS_S
+    assert parts.interrupt(world) < ENDS_S
+    assert (bot.returncode, world.returncode) == (0, 0)
+
+
+def test_time_is_paused_stepped_and_paced_by_services(parts: Parts):
+    world = parts.start("run_world.py")
+    with Person() as person:
+        assert person.call(SetBool, "/world/pause", data=True).success
+        granted(person.call(srv.Step, "/world/step", seconds=0.5))
+        refused(person.call(srv.Step, "/world/step", seconds=-1.0), "invalid")
+        refused(person.call(srv.Step, "/world/step", seconds=float("nan")), "invalid")
+        assert person.call(SetBool, "/world/pause", data=False).success
+        refused(person.call(srv.Step, "/world/step", seconds=1.0), "moving")
+        granted(person.call(srv.SetSpeed, "/world/set_speed", real_time_factor=7.5))
+        refused(person.call(srv.SetSpeed, "/world/set_speed", real_time_factor=0.0), "invalid")
+        refused(person.call(srv.AssignWord, "/world/assign_word", word=-5, station=0), "unknown")
+        refused(person.call(srv.AssignBundle, "/world/assign_bundle", station=99), "unknown")
+        kept = parts.folder / "now.checkpoint"
+        granted(person.call(srv.Checkpoint, "/world/checkpoint", path=str(kept)))
+        assert kept.stat().st_size > 0
+        refused(person.call(srv.Checkpoint, "/world/checkpoint", path=str(parts.folder / "profile")), "invalid")
+    assert parts.interrupt(world) < ENDS_S
+
+
+def granted(answer: srv.Grab.Response) -> None:
+    assert answer.success, f"{answer.code}: {answer.message}"
+    assert answer.code == "done"
+
+
+def refused(answer: srv.Grab.Response, code: str) -> None:
+    assert not answer.success
+    assert answer.code == code, answer.message
+    assert len(answer.message.split()) > 2, "a sentence says why"

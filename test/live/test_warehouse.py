@@ -1,0 +1,149 @@
+"""The whole warehouse live: from one command, and from parts that are started by hand in any order."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+from typing import Any
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from soup_msgs import msg
+
+from .conftest import ENDS_S, Parts, wait_until
+from .person import Person
+
+pytestmark = [pytest.mark.live, pytest.mark.timeout(240)]
+NODES = {f"/bot_{bot}/bot_{bot}" for bot in range(12)} | {
+    "/world", "/word_manager", "/letter_manager", "/fleet_manager",
+}  # fmt: skip
+BY_HAND = (
+    ("run_fleet_manager.py",),
+    ("run_bots.py", "6-11"),
+    ("run_word_manager.py",),
+    ("run_world.py", "--speed", "5", "--set", "words=PROSE", "--event-log", "events.jsonl", "--summary", "out.json"),
+    ("run_bots.py", "0-3,5"),
+    ("run_letter_manager.py",),
+    ("run_bots.py", "4"),
+)
+
+
+def test_one_command_runs_sixteen_nodes_that_assemble_words(parts: Parts):
+    warehouse = parts.start(
+        "run_warehouse.py", "--duration", "250", "--speed", "5", "--no-dashboard", "--summary", "out.json",
+        "--event-log", "events.jsonl",
+    )  # fmt: skip
+    with Person() as person:
+        person.wait(lambda: person.nodes() >= NODES, "sixteen nodes are in the graph")
+    out, err = warehouse.communicate(timeout=200)
+    assert warehouse.returncode == 0, err
+    assert "words_completed" in out
+    summary = json.loads((parts.folder / "out.json").read_text())
+    assert summary["sim_seconds"] == 250.0
+    assert summary["words_completed"] > 0
+    assert summary["violations"] == 0
+    assert summary["policies"] == {"word": "minimal", "letter": "minimal", "fleet": "minimal", "bot": "evade"}
+    log = [json.loads(line) for line in (parts.folder / "events.jsonl").read_text().splitlines()]
+    assert [event["sequence"] for event in log] == list(range(1, len(log) + 1))
+    assert sum(event["type"] == "word_completed" for event in log) == summary["words_completed"]
+    assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
+
+
+def test_parts_started_by_hand_in_any_order_assemble_words_and_each_ends_at_once(parts: Parts, prose: str):
+    started: dict[str, subprocess.Popen[str]] = {}
+    for script, *arguments in BY_HAND:
+        filled = [argument.replace("PROSE", prose) for argument in arguments]
+        started[" ".join([script, *arguments])] = parts.start(script, *filled)
+    with Person() as person:
+        person.listen(msg.Statistics, "/world/statistics")
+        person.wait(lambda: person.nodes() >= NODES, "sixteen nodes are in the graph")
+        newest = person.heard
+        person.wait(
+            lambda: "/world/statistics" in newest and newest["/world/statistics"].words_completed > 0,
+            "a word is completed",
+        )
+        assert newest["/world/statistics"].violations == 0
+    memory = parts.shared_memory()
+    for name, process in started.items():
+        assert parts.interrupt(process) < ENDS_S, name
+        assert process.returncode == 0, name
+    assert json.loads((parts.folder / "out.json").read_text())["violations"] == 0
+    assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
+    assert not [file for file in memory if file.exists()], "shared memory is left behind"
+
+
+def test_a_part_without_a_world_says_once_what_it_waits_for(parts: Parts):
+    managers = [f"run_{role}_manager.py" for role in ("word", "letter", "fleet")]
+    waiting = [parts.start("run_bots.py", "0-2"), *map(parts.start, managers)]
+    with Person() as person:
+        seen: dict[str, str] = {}
+
+        def note(report: Any) -> None:
+            seen.update({status.name: status.message for status in report.status})
+
+        person.node.create_subscription(DiagnosticArray, "/diagnostics", note, 10)
+        person.wait(lambda: len(seen) == len(waiting), "every part reports")
+        person.wait(lambda: all("waits for the world" in message for message in seen.values()), "what it waits for")
+        for _ in range(3):
+            seen.clear()
+            person.wait(lambda: len(seen) == len(waiting), "every part reports again")
+    for process in waiting:
+        process.send_signal(signal.SIGTERM)
+    for process in waiting:
+        _, err = process.communicate(timeout=10)
+        assert process.returncode == 0
+        assert err.count("waits for the world") == 1, err
+
+
+def test_the_warehouse_ends_with_ctrl_c_and_leaves_nothing(parts: Parts, prose: str):
+    warehouse = parts.start(
+        "run_warehouse.py", "--no-dashboard", "--set", f"words={prose}", "--summary", "out.json",
+        "--event-log", "events.jsonl",
+    )  # fmt: skip
+    wait_for_time(parts)
+    memory = parts.shared_memory()
+    assert parts.interrupt(warehouse) < ENDS_S
+    assert warehouse.returncode == 0
+    assert parts.alive() == []
+    assert json.loads((parts.folder / "out.json").read_text())["sim_seconds"] > 0
+    assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
+    assert not [file for file in memory if file.exists()], "shared memory is left behind"
+
+
+def test_when_a_part_dies_the_warehouse_says_which_and_why(parts: Parts):
+    warehouse = parts.start("run_warehouse.py", "--no-dashboard")
+    wait_for_time(parts)
+    fleet = next(number for number in parts.alive() if "fleet_manager" in command_of(number))
+    parts.shared_memory()  # what a killed process leaves is removed after the test
+    os.kill(fleet, signal.SIGKILL)
+    _, err = warehouse.communicate(timeout=20)
+    assert warehouse.returncode == 1
+    assert "fleet manager was killed by SIGKILL" in err
+    assert err.count("\n") == 1
+
+
+def test_no_part_outlives_a_starter_that_was_killed(parts: Parts):
+    warehouse = parts.start("run_warehouse.py", "--no-dashboard")
+    wait_for_time(parts)
+    parts.shared_memory()
+    warehouse.kill()
+    warehouse.communicate()
+    wait_until(lambda: not parts.alive(), "all parts have ended", patience_s=10.0)
+
+
+def wait_for_time(parts: Parts) -> None:
+    """Wait until the simulated time of the warehouse goes by."""
+    with Person() as person:
+        person.listen(msg.Statistics, "/world/statistics")
+        newest = person.heard
+        person.wait(
+            lambda: "/world/statistics" in newest and newest["/world/statistics"].sim_seconds > 0.5, "time goes by"
+        )
+
+
+def command_of(number: int) -> str:
+    """The command line of a process."""
+    with open(f"/proc/{number}/cmdline") as file:
+        return file.read()

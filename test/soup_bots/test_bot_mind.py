@@ -1,0 +1,329 @@
+"""A bot on a trip: it goes through all phases, tries again what passes, and says what it waits for."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tiny_world import TinyWorld, layout_of
+
+from soup_bots.bot_mind import BotMind, ByHandReply
+from soup_msgs_py.codes import Code, EventType, Phase
+from soup_msgs_py.messages import (
+    BotReply,
+    BotStatus,
+    CancelDrive,
+    CancelTrip,
+    DriveGoal,
+    DriveResult,
+    Event,
+    FollowPath,
+    Grab,
+    Release,
+    SetVelocities,
+    SetVelocity,
+    TileMove,
+    Transfer,
+    Trip,
+    TripFeedback,
+    TripGoal,
+    TripResult,
+    Visit,
+)
+from soup_msgs_py.mind import NEVER
+
+BUCKET, STATION, SPOT = (20.0, 10.0), (2.0, 30.0), (20.0, 40.0)
+TRIP = Trip(
+    12,
+    0,
+    ((20.0, 5.0), BUCKET),
+    (Visit(0, (TileMove(3, 1), TileMove(4, 1)), ((20.0, 30.0), STATION)),),
+    ((20.0, 30.0), SPOT),
+)
+
+
+@pytest.fixture
+def world():
+    return TinyWorld([(5, 5), (50, 50)], buckets=[BUCKET], stations=[STATION])
+
+
+@pytest.fixture
+def mind():
+    return BotMind(3, layout_of(60, 60, [STATION]), retry_s=0.25, penalty_s=5.0)
+
+
+def said(world, kind, bot=0):
+    return [m for m in world.told if isinstance(m, kind) and getattr(m, "bot", bot) == bot]
+
+
+def only(messages, kind):
+    (found,) = [m for m in messages if isinstance(m, kind)]
+    return found
+
+
+def reply(request, code=Code.DONE, message="because"):
+    return BotReply(request.bot, request.request, code, message, 0.0, 1.0, 1.0)
+
+
+def ended(world):
+    return lambda: bool(said(world, TripResult))
+
+
+def up_to(mind, kind, now=0.0, trip=TRIP) -> Any:
+    """Let the mind go through the trip until it makes a request of a kind; that request."""
+    out = mind.handle(TripGoal(mind.bot, trip), now)
+    while True:
+        request = next(m for m in out if isinstance(m, FollowPath | Grab | Transfer | Release))
+        if isinstance(request, kind):
+            return request
+        out = mind.handle(reply(request), now)
+
+
+def test_a_trip_runs_through_all_phases(world):
+    world.tell(TripGoal(0, TRIP))
+    assert world.run(90, ended(world))
+    assert said(world, TripResult)[0].code is Code.DONE
+    phases = [m.phase for m in said(world, BotStatus)]
+    in_order = [p for k, p in enumerate(phases) if k == 0 or p is not phases[k - 1]]
+    assert in_order == [Phase.IDLE, Phase.FETCHING, Phase.VISITING, Phase.STORING, Phase.IDLE]
+    assert (world.bucket_x[0], world.bucket_y[0], world.bucket[0]) == (*SPOT, -1)
+    assert [m.moves for m in said(world, Transfer)] == [TRIP.visits[0].moves]
+
+
+def test_feedback_counts_the_visits(world):
+    world.tell(TripGoal(0, TRIP))
+    world.run(90, ended(world))
+    counts = [m.visits_done for m in said(world, TripFeedback)]
+    assert counts == sorted(counts)
+    assert counts[-1] == 1
+
+
+def test_a_bot_that_carries_the_bucket_skips_fetching():
+    world = TinyWorld([(5, 5)], buckets=[BUCKET], stations=[STATION], carrying={0: 0})
+    world.tell(TripGoal(0, TRIP))
+    assert world.run(90, ended(world))
+    assert not said(world, Grab)
+
+
+def test_a_bot_that_carries_another_bucket_says_so():
+    world = TinyWorld([(5, 5)], buckets=[BUCKET, BUCKET], stations=[STATION], carrying={0: 1})
+    world.tell(TripGoal(0, TRIP))
+    (result,) = said(world, TripResult)
+    assert result.code is Code.INVALID
+    assert "carries bucket 1" in result.message
+
+
+def test_without_a_store_route_the_bot_keeps_the_bucket(world):
+    world.tell(TripGoal(0, Trip(12, 0, TRIP.fetch_route, TRIP.visits, ())))
+    assert world.run(90, ended(world))
+    assert said(world, TripResult)[0].code is Code.DONE
+    assert world.bucket[0] == 0
+    assert world.crew.minds[0].bucket == 0
+
+
+def test_a_second_trip_is_refused(mind):
+    up_to(mind, Grab)
+    result = only(mind.handle(TripGoal(3, Trip(13, 0, (), (), ())), 1.0), TripResult)
+    assert (result.trip, result.code) == (13, Code.BUSY)
+    assert "on trip 12; cancel it first" in result.message
+
+
+# collisions and refusals
+
+
+def test_after_a_collision_the_bot_waits_until_it_resumes_and_drives_on(world):
+    world.tell(TripGoal(0, TRIP))
+    world.run(2)
+    world._penalise(0)
+    world._hand_out()
+    assert "collision" in said(world, BotStatus)[-1].message
+    assert world.run(95, ended(world))
+    assert said(world, TripResult)[0].code is Code.DONE
+
+
+def test_a_collision_during_a_transfer_only_repeats_the_tiles_that_have_not_moved(mind):
+    transfer = up_to(mind, Transfer)
+    mind.handle(Event(0.0, 0, EventType.TRANSFERRED, bot=3), 0.0)
+    mind.handle(reply(transfer, Code.COLLIDED), 0.0)
+    again = only(mind.handle(Event(5.0, 1, EventType.RESUMED, bot=3), 5.0), Transfer)
+    assert isinstance(again, Transfer) and isinstance(transfer, Transfer)
+    assert again.moves == transfer.moves[1:]
+
+
+def test_a_lost_resumption_does_not_stop_the_bot_for_ever(mind):
+    mind.handle(reply(up_to(mind, Grab), Code.COLLIDED), 1.0)
+    assert 6.0 < mind.next_wake < 8.0
+    assert only(mind.wake(mind.next_wake), Grab).bucket == 0
+
+
+@pytest.mark.parametrize("code", [Code.BUSY, Code.MOVING, Code.BLOCKED])
+def test_what_passes_is_tried_again_a_little_later(mind, code):
+    grab = up_to(mind, Grab)
+    out = mind.handle(reply(grab, code, "another bot is served"), 1.0)
+    assert only(out, BotStatus).message.endswith("another bot is served")
+    assert mind.next_wake == 1.25
+    again = only(mind.wake(1.25), Grab)
+    assert again.request > grab.request
+    assert mind.next_wake == NEVER
+
+
+@pytest.mark.parametrize("code", [Code.NOT_NEEDED, Code.NOT_IN_BUCKET, Code.BUCKET_FULL, Code.NOTHING_STAGED])
+def test_refused_tiles_do_not_end_the_trip_but_its_result_mentions_them(mind, code):
+    out = mind.handle(reply(up_to(mind, Transfer), code, "no E0 in bucket 0"), 1.0)
+    for kind in (FollowPath, Release):
+        request = only(out, kind)
+        out = mind.handle(reply(request), 1.0)
+    result = only(out, TripResult)
+    assert result.code is Code.DONE
+    assert "word station 0: no E0 in bucket 0" in result.message
+
+
+def test_out_of_tolerance_the_bot_drives_to_the_point_again_but_not_for_ever(mind):
+    out = mind.handle(reply(up_to(mind, Grab), Code.OUT_OF_TOLERANCE), 1.0)
+    tries = 0
+    while not any(isinstance(m, TripResult) for m in out):
+        path = only(out, FollowPath)
+        assert path.points == (BUCKET,)
+        out = mind.handle(reply(only(mind.handle(reply(path), 1.0), Grab), Code.OUT_OF_TOLERANCE), 1.0)
+        tries += 1
+    assert tries == 2
+    assert only(out, TripResult).code is Code.OUT_OF_TOLERANCE
+
+
+@pytest.mark.parametrize("code", [Code.BUCKET_TAKEN, Code.UNKNOWN, Code.SPOT_TAKEN, Code.ALREADY_CARRYING])
+def test_what_does_not_pass_ends_the_trip_with_its_code_and_sentence(mind, code):
+    result = only(mind.handle(reply(up_to(mind, Grab), code, "bot 4 has it"), 1.0), TripResult)
+    assert (result.code, result.message) == (code, "bot 4 has it")
+    assert mind.phase is Phase.IDLE
+
+
+def test_stale_replies_are_ignored(mind):
+    path = up_to(mind, FollowPath)
+    grab = only(mind.handle(reply(path), 1.0), Grab)
+    assert mind.handle(reply(path, Code.REPLACED), 1.0) == []
+    assert only(mind.handle(reply(grab), 1.0), FollowPath)
+
+
+# cancelling
+
+
+def test_a_cancelled_trip_stops_the_driving_bot_at_once(world):
+    world.tell(TripGoal(0, TRIP))
+    world.run(2)
+    world.tell(CancelTrip(0, 12))
+    assert said(world, TripResult)[0].code is Code.CANCELLED
+    world.run(1)
+    assert world.vx[0] == world.vy[0] == 0
+    assert not world.crew.wants_to_sense
+
+
+def test_a_cancelled_trip_finishes_the_operation_under_way(mind):
+    grab = up_to(mind, Grab)
+    assert not any(isinstance(m, TripResult) for m in mind.handle(CancelTrip(3, 12), 1.0))
+    assert only(mind.handle(reply(grab), 1.5), TripResult).code is Code.CANCELLED
+    assert mind.bucket == 0
+
+
+def test_cancelling_a_trip_that_the_bot_is_not_on_changes_nothing(mind):
+    up_to(mind, Grab)
+    assert mind.handle(CancelTrip(3, 11), 1.0) == []
+
+
+def test_a_trip_cancelled_while_it_waits_ends_at_once(mind):
+    mind.handle(reply(up_to(mind, Transfer), Code.BUSY), 1.0)
+    assert only(mind.handle(CancelTrip(3, 12), 1.1), TripResult).code is Code.CANCELLED
+    assert mind.next_wake == NEVER
+
+
+# drives and requests by hand
+
+
+def test_a_drive_ends_at_its_last_point(world):
+    world.tell(DriveGoal(0, 5, ((20.0, 5.0), (20.0, 20.0))))
+    assert world.run(20, lambda: bool(said(world, DriveResult)))
+    assert said(world, DriveResult)[0].code is Code.DONE
+    assert (world.x[0], world.y[0]) == (20.0, 20.0)
+
+
+def test_a_new_drive_replaces_the_old_one(mind):
+    mind.handle(DriveGoal(3, 1, ((9.0, 9.0),)), 0.0)
+    result = only(mind.handle(DriveGoal(3, 2, ((9.0, 1.0),)), 1.0), DriveResult)
+    assert (result.drive, result.code) == (1, Code.REPLACED)
+    assert only(mind.handle(CancelDrive(3, 2), 2.0), DriveResult).code is Code.CANCELLED
+
+
+def test_a_velocity_by_hand_replaces_a_drive(mind):
+    mind.handle(DriveGoal(3, 1, ((9.0, 9.0),)), 0.0)
+    by_hand = SetVelocity(3, 1.0, 0.0)
+    out = mind.handle(by_hand, 1.0)
+    assert by_hand in out
+    assert only(out, DriveResult).code is Code.REPLACED
+    assert mind.phase is Phase.BY_HAND
+    assert not mind.driving
+    mind.handle(SetVelocity(3, 0.0, 0.0), 2.0)
+    assert mind.phase is Phase.IDLE
+
+
+def test_on_a_trip_requests_by_hand_are_refused(mind):
+    up_to(mind, Transfer)
+    for request in (Grab(3, 77), Release(3, 77), Transfer(3, 77)):
+        (answer,) = mind.handle(request, 1.0)
+        assert isinstance(answer, ByHandReply)
+        assert (answer.token, answer.reply.code) == (77, Code.BUSY)
+        assert "on trip 12; cancel it first" in answer.reply.message
+    (answer,) = mind.handle(SetVelocity(3, 1.0, 0.0), 1.0)
+    assert answer.reply.code is Code.BUSY
+
+
+def test_a_request_by_hand_is_forwarded_and_its_reply_handed_back(mind):
+    grab = only(mind.handle(Grab(3, 77, 5), 1.0), Grab)
+    assert (grab.bucket, grab.request != 77) == (5, True)
+    answer = only(mind.handle(reply(grab), 1.5), ByHandReply)
+    assert (answer.token, answer.reply.code) == (77, Code.DONE)
+    assert (mind.bucket, mind.phase) == (5, Phase.IDLE)
+
+
+# laws
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(st.lists(st.sampled_from(list(Code)), max_size=60), st.lists(st.integers(0, 9), max_size=60))
+def test_whatever_the_world_answers_a_trip_has_one_result_and_the_bot_never_forgets_to_go_on(codes, other):
+    mind = BotMind(3, layout_of(60, 60, [STATION]), retry_s=0.25, penalty_s=5.0)
+    now, results = 0.0, 0
+    out = mind.handle(TripGoal(3, TRIP), now)
+    for step, code in enumerate(codes):
+        results += sum(isinstance(m, TripResult) for m in out)
+        requests = [m for m in out if isinstance(m, FollowPath | Grab | Transfer | Release)]
+        assert len(requests) <= 1
+        if mind.trip is None:
+            break
+        if requests:
+            now += 0.1
+            out = mind.handle(reply(requests[0], code), now)
+        elif mind.next_wake < NEVER:
+            now = mind.next_wake
+            resumes = other[step : step + 1] == [1]
+            out = mind.handle(Event(now, 0, EventType.RESUMED, bot=3), now) if resumes else mind.wake(now)
+        elif mind.held:
+            out = [mind.path(now)]
+        else:
+            pytest.fail("the bot waits for nothing")
+    results += sum(isinstance(m, TripResult) for m in out) if mind.trip is None and codes and results == 0 else 0
+    assert results == (mind.trip is None)
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(st.integers(0, 2**32 - 1))
+def test_the_same_start_gives_the_same_run(seed):
+    def run():
+        rng = np.random.default_rng(seed)
+        places = rng.permutation([(x, y) for x in range(10, 50, 6) for y in range(10, 50, 6)])
+        world = TinyWorld([tuple(p) for p in places[:10]])
+        for bot in range(10):
+            world.tell(DriveGoal(bot, bot, ((float(places[10 + bot][0]), float(places[10 + bot][1])),)))
+        world.run(4)
+        return world.x.tobytes() + world.y.tobytes(), sum(isinstance(m, SetVelocities) for m in world.told)
+
+    assert run() == run()

@@ -1,0 +1,140 @@
+"""What a manager knows of the world: true as long as no event is missing, and it knows when one is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from managers_world import TinyWorld, layout_of, scenario_of
+
+from soup_managers.bitset import first, members
+from soup_managers.view import WarehouseView
+from soup_msgs_py.codes import EventType
+from soup_msgs_py.messages import Bundle, Event, Word
+
+
+@pytest.fixture
+def world() -> TinyWorld:
+    """Buckets 0 and 1 hold kind 0, 1 also kind 1; word 0 is open, word 1 waits, a bundle of 3 is staged."""
+    layout = layout_of(3, 5, 2, 2)
+    world = TinyWorld(scenario_of(), layout, [(0, 0, 1), (2,)], np.random.default_rng(0))
+    world.contents[0] = {0: 2}
+    world.contents[1] = {0: 1, 1: 1}
+    world.open[0] = 1, replace(world.waiting.pop(0), filled=(False, False, False))
+    world.staged[0] = 3, Bundle(0, 5, 3)
+    world.sequence = 10
+    return world
+
+
+@pytest.fixture
+def view(world) -> WarehouseView:
+    view = WarehouseView(world.scenario, world.layout)
+    view.reset(world.snapshot())
+    return view
+
+
+def transfer(sequence: int, **about) -> Event:
+    return Event(0.0, sequence, EventType.TRANSFERRED, bot=0, x=1.0, y=2.0, **about)
+
+
+def test_buckets_are_found_by_what_they_hold(view):
+    assert list(members(view.holders(0))) == [0, 1]
+    assert list(members(view.holders(1))) == [1]
+    assert view.holders(7) == 0
+    assert first(view.holders(7)) == -1
+    assert view.with_room == (1 << 9) - 1
+
+
+def test_a_tile_taken_out_fills_the_first_unfilled_letter_of_its_kind(view):
+    view.apply(transfer(11, bucket=0, station=1, tile=0, job=0))
+    assert view.open_words[0].filled == [True, False, False]
+    view.apply(transfer(12, bucket=0, station=1, tile=0, job=0))
+    assert view.open_words[0].missing == (1,)
+    assert view.contents[0] == {}
+    assert list(members(view.holders(0))) == [1]
+    assert view.wanted[0] == 0
+    assert view.stock[0] == 1
+
+
+def test_a_tile_from_a_bundle_goes_into_the_bucket(view):
+    view.apply(transfer(11, bucket=2, station=3, tile=5, job=0))
+    assert view.contents[2] == {5: 1}
+    assert view.staged_bundles[0].count == 2
+    assert view.stock[5] == 3
+
+
+def test_a_full_bucket_has_no_room(view):
+    for sequence in range(11, 19):
+        view.apply(transfer(sequence, bucket=2, station=3, tile=5, job=0))
+    assert view.room_in(2) == 0
+    assert not view.with_room >> 2 & 1
+
+
+def test_a_finished_word_holds_its_place_until_it_is_cleared(view):
+    assert view.free_places[1] == 1
+    view.apply(Event(0.0, 11, EventType.WORD_COMPLETED, job=0, station=1, count=3))
+    assert view.free_places[1] == 1
+    view.apply(Event(0.0, 12, EventType.WORD_CLEARED, job=0, station=1))
+    assert view.free_places[1] == 2
+    assert 0 not in view.open_words
+
+
+def test_a_word_arrives_waits_and_is_opened(view):
+    view.apply(Event(0.0, 11, EventType.WORD_ARRIVED, job=2, tiles=(1, 2), text="BC"))
+    assert view.waiting_words[2] == Word(2, "BC", (1, 2))
+    view.apply(Event(0.0, 12, EventType.WORD_ASSIGNED, job=2, station=0))
+    assert list(view.waiting_words) == [1]
+    assert view.open_words[2].missing == (1, 2)
+    assert view.free_places[0] == 1
+
+
+def test_a_bundle_that_arrived_waits_until_it_is_staged(view):
+    view.apply(Event(0.0, 11, EventType.BUNDLE_ARRIVED, job=7, tile=4, count=3))
+    assert list(view.waiting_bundles) == [7]
+    assert view.stock[4] == 0
+    view.apply(Event(0.0, 12, EventType.BUNDLE_STAGED, job=7, tile=4, count=3, station=2))
+    assert not view.waiting_bundles
+    assert view.stock[4] == 3
+    view.apply(Event(0.0, 13, EventType.BUNDLE_EMPTIED, job=7, station=2))
+    assert view.free_places[2] == view.scenario.letter_station.staged_bundles
+
+
+def test_a_bucket_leaves_its_spot_with_a_bot_and_rests_where_it_is_released(view, world):
+    home = view.spot_of[4]
+    other = next(spot for spot in world.spots if spot not in view.bucket_on)
+    x, y = world.layout.waypoints[other]
+    view.apply(Event(0.0, 11, EventType.GRABBED, bot=2, bucket=4, x=3.0, y=3.0))
+    assert home not in view.bucket_on
+    assert not view.resting >> 4 & 1
+    assert view.bot_bucket[2] == 4
+    view.apply(Event(0.0, 12, EventType.RELEASED, bot=2, bucket=4, x=x + 0.05, y=y))
+    assert view.bucket_on[other] == 4
+    assert view.spot_of[4] == other
+    assert view.bot_x[2] == x + 0.05
+
+
+def test_an_event_counts_once(view):
+    event = transfer(11, bucket=0, station=1, tile=0, job=0)
+    assert view.apply(event)
+    assert not view.apply(event)
+    assert view.contents[0] == {0: 1}
+
+
+def test_a_gap_in_the_events_asks_for_a_snapshot_that_is_new_enough(view, world):
+    old = world.snapshot()
+    view.apply(transfer(13, bucket=0, station=1, tile=0, job=0))
+    assert view.lost
+    assert view.contents[0] == {0: 2}
+    view.reset(old)
+    assert view.lost
+    world.sequence = 13
+    world.contents[0] = {0: 1}
+    view.reset(world.snapshot())
+    assert not view.lost
+    assert view.contents[0] == {0: 1}
+    assert view.apply(transfer(14, bucket=0, station=1, tile=0, job=0))
+
+
+def test_a_snapshot_that_is_not_needed_changes_nothing(view, world):
+    world.sequence = 12
+    assert not view.reset(world.snapshot())
+    assert view.sequence == 10

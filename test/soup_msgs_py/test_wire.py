@@ -1,0 +1,267 @@
+"""What is said in dataclasses arrives unchanged over the wire, and what makes no sense does not arrive."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from enum import Enum
+from typing import Any
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PoseStamped, Twist
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from nav_msgs.msg import Path
+from rclpy.serialization import deserialize_message, serialize_message
+from soup_msgs import action, msg, srv
+
+import _environment
+from soup_msgs_py import messages as m
+from soup_msgs_py import wire
+from soup_msgs_py.codes import BotState, Code, EventType, Phase
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.scenario import load_scenario
+
+DEMO = load_scenario(_environment.ROOT / "config" / "scenarios" / "demo.yaml")
+
+int32 = st.integers(-(2**31), 2**31 - 1)
+int64 = st.integers(-(2**63), 2**63 - 1)
+place = st.floats(-1e4, 1e4)
+time = st.floats(0, 1e6)
+text = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=30)
+points = st.lists(st.tuples(place, place), max_size=5).map(tuple)
+some_ints = st.lists(int32, max_size=6).map(tuple)
+moves = st.lists(st.builds(m.TileMove, int32, int32), max_size=4).map(tuple)
+bundles = st.lists(st.builds(m.Bundle, int32, int32, int32), max_size=3).map(tuple)
+
+
+@st.composite
+def words(draw: st.DrawFn) -> m.Word:
+    tiles = draw(some_ints)
+    filled = draw(st.sampled_from([0, len(tiles)]).flatmap(lambda n: st.lists(st.booleans(), min_size=n, max_size=n)))
+    return m.Word(draw(int32), draw(text), tiles, tuple(filled))
+
+
+some_words = st.lists(words(), max_size=3).map(tuple)
+word_stations = st.lists(st.builds(m.WordStationState, int32, place, place, int32, some_words), max_size=3).map(tuple)
+letter_stations = st.lists(st.builds(m.LetterStationState, int32, place, place, int32, bundles), max_size=3).map(tuple)
+
+
+@st.composite
+def bots(draw: st.DrawFn, size: int | None = None) -> m.Bots:
+    n = draw(st.integers(0, 5)) if size is None else size
+    x, y, heading, vx, vy = (draw(arrays.arrays(np.float64, n, elements=place)) for _ in range(5))
+    bucket = draw(arrays.arrays(np.int32, n))
+    state = draw(arrays.arrays(np.uint8, n, elements=st.integers(0, max(BotState))))
+    return m.Bots(draw(time), x, y, heading, vx, vy, bucket, state)
+
+
+@st.composite
+def buckets(draw: st.DrawFn, size: int | None = None) -> m.Buckets:
+    n = draw(st.integers(0, 5)) if size is None else size
+    x, y = (draw(arrays.arrays(np.float64, n, elements=place)) for _ in range(2))
+    return m.Buckets(draw(time), x, y, draw(arrays.arrays(np.int32, n)), draw(arrays.arrays(np.uint16, n)))
+
+
+@st.composite
+def snapshots(draw: st.DrawFn) -> m.Snapshot:
+    content = st.dictionaries(int32, st.integers(0, 2**16 - 1), max_size=4)
+    contents = tuple(draw(st.lists(content, max_size=4)))
+    return m.Snapshot(
+        draw(time), draw(int64), draw(bots()), draw(buckets(len(contents))), contents, draw(word_stations),
+        draw(letter_stations), draw(some_words), draw(bundles), draw(int32),
+    )  # fmt: skip
+
+
+@st.composite
+def layouts(draw: st.DrawFn) -> Layout:
+    n, e = draw(st.integers(1, 6)), draw(st.integers(0, 6))
+    waypoint = st.integers(0, n - 1)
+    some = st.integers(0, 3).flatmap(lambda k: arrays.arrays(np.int32, k, elements=waypoint))
+    return Layout(
+        draw(place), draw(place), draw(arrays.arrays(np.float64, (n, 2), elements=place)),
+        draw(arrays.arrays(np.int32, (e, 2), elements=waypoint)),
+        draw(arrays.arrays(np.float64, e, elements=st.floats(0, 10))), draw(some), draw(some), draw(some),
+    )  # fmt: skip
+
+
+events = st.builds(
+    m.Event, time, int64, st.sampled_from(EventType), int32, int32, int32, int32, int32, int32, place, place,
+    some_ints, some_ints, some_ints, text,
+)  # fmt: skip
+visits = st.lists(st.builds(m.Visit, int32, moves, points), max_size=3).map(tuple)
+trips = st.builds(m.Trip, int64, int32, points, visits, points)
+states = st.builds(m.TaskState, int64, st.sampled_from([m.DELIVER, m.STORE]), int32, int32, some_ints, some_ints, text)
+
+ONE_TO_ONE = {
+    "grab": st.builds(m.Grab, int32, int64, int32),
+    "release": st.builds(m.Release, int32, int64),
+    "transfer": st.builds(m.Transfer, int32, int64, int32, moves),
+    "reply of a bot": st.builds(m.BotReply, int32, int64, st.sampled_from(Code), text, time, place, place),
+    "word to open": st.builds(m.AssignWord, int32, int32),
+    "bundle to stage": st.builds(m.AssignBundle, int32, int32, int32),
+    "event": events,
+    "bots": bots(),
+    "buckets": buckets(),
+    "stations": st.builds(m.Stations, time, word_stations, letter_stations),
+    "snapshot": snapshots(),
+    "layout": layouts(),
+    "trip": trips,
+    "status of a bot": st.builds(
+        m.BotStatus, time, int32, st.sampled_from(Phase), int32, st.none() | trips, int32, text
+    ),
+    "letters to deliver": st.builds(m.DeliverGoal, int64, int32, int32, some_ints),
+    "bundle to store": st.builds(m.StoreGoal, int64, int32, int32, int32, int32),
+    "tasks": st.builds(m.Tasks, time, st.lists(states, max_size=3).map(tuple)),
+}
+
+
+def over_the_wire(message: Any) -> Any:
+    """What the other side of a topic gets."""
+    return deserialize_message(serialize_message(message), type(message))
+
+
+def assert_alike(one: Any, other: Any) -> None:
+    """Equal, but for what a float32 (places of buckets, velocities) or a stamp cannot hold."""
+    if isinstance(one, np.ndarray):
+        assert one.shape == other.shape
+        np.testing.assert_allclose(other, one, rtol=1e-6, atol=1e-6)
+    elif dataclasses.is_dataclass(one):
+        assert type(one) is type(other)
+        for field in dataclasses.fields(one):
+            assert_alike(getattr(one, field.name), getattr(other, field.name))
+    elif isinstance(one, tuple):
+        assert isinstance(other, tuple)
+        assert len(one) == len(other)
+        for a, b in zip(one, other, strict=True):
+            assert_alike(a, b)
+    elif isinstance(one, float):
+        assert math.isclose(one, other, rel_tol=1e-9, abs_tol=2e-9)
+    else:
+        assert one == other
+        assert isinstance(other, Enum) == isinstance(one, Enum)
+
+
+@pytest.mark.parametrize("kind", ONE_TO_ONE)
+@given(data=st.data())
+def test_a_message_arrives_as_it_was_sent(kind: str, data: st.DataObject):
+    message = data.draw(ONE_TO_ONE[kind])
+    assert_alike(message, wire.from_ros(over_the_wire(wire.to_ros(message))))
+
+
+@given(st.builds(m.SetVelocity, st.just(3), place, place, place))
+def test_a_velocity_arrives_on_the_topic_of_its_bot(velocity: m.SetVelocity):
+    assert wire.from_twist(over_the_wire(wire.to_twist(velocity)), 3) == velocity
+
+
+@given(
+    st.integers(0, (2**31 - 1) * 10**9), st.lists(st.tuples(place, place, st.floats(1, 1e6)), min_size=1, max_size=5)
+)
+def test_a_path_keeps_its_number_and_its_times(number: int, corners: list[tuple[float, float, float]]):
+    path = m.FollowPath(5, number, tuple((x, y) for x, y, _ in corners), tuple(t for _, _, t in corners))
+    assert_alike(path, wire.from_path(over_the_wire(wire.to_path(path)), 5))
+    hurried = dataclasses.replace(path, stamps=())
+    assert_alike(hurried, wire.from_path(over_the_wire(wire.to_path(hurried)), 5))
+
+
+@given(st.sampled_from(Code), text, int32)
+def test_a_reply_to_a_manager_arrives(code: Code, message: str, number: int):
+    reply = m.Reply(code, message, number)
+    assert wire.from_ros(over_the_wire(wire.assign_bundle_response(reply))) == reply
+    assert wire.from_ros(over_the_wire(wire.assign_word_response(reply))) == dataclasses.replace(reply, number=-1)
+
+
+@given(st.sampled_from([m.DELIVER, m.STORE]), int64, some_ints, text)
+def test_the_progress_of_a_task_arrives(kind: str, task: int, missing: tuple[int, ...], message: str):
+    feedback = m.TaskFeedback(kind, task, missing, message)
+    assert wire.task_feedback(over_the_wire(wire.to_ros(feedback)), kind, task) == feedback
+
+
+@given(trips, points, st.sampled_from(Phase), int32, text)
+def test_what_the_fleet_and_a_bot_say_to_each_other_arrives(
+    trip: m.Trip, corners: tuple[m.Point, ...], phase: Phase, done: int, message: str
+):
+    assert wire.trip_goal(over_the_wire(wire.to_ros(m.TripGoal(7, trip))), 7) == m.TripGoal(7, trip)
+    drive = m.DriveGoal(7, 12, corners)
+    assert wire.drive_goal(over_the_wire(wire.to_ros(drive)), 7, 12) == drive
+    feedback = m.TripFeedback(7, trip.trip, phase, done, message)
+    assert wire.trip_feedback(over_the_wire(wire.to_ros(feedback)), 7, trip.trip) == feedback
+
+
+@given(layouts(), st.lists(st.floats(0, 1), max_size=5).map(tuple))
+def test_the_scenario_arrives_whole(layout: Layout, profile: tuple[float, ...]):
+    announcement = wire.Announcement(1.5, DEMO, layout, profile)
+    assert_alike(announcement, wire.from_ros(over_the_wire(wire.to_ros(announcement))))
+
+
+def test_figures_arrive_under_their_names():
+    figures = {"words_completed": 3, "words_per_second": 0.25, "violations": 0, "no such figure": 1}
+    arrived = wire.from_statistics(over_the_wire(wire.to_statistics(12.0, figures)))
+    assert arrived["words_completed"] == 3
+    assert arrived["words_per_second"] == 0.25
+    assert "no such figure" not in arrived
+
+
+# ---- hostile input --------------------------------------------------------------------------------------------
+
+
+def twist(**linear: float) -> Twist:
+    message = Twist()
+    for name, value in linear.items():
+        setattr(message.linear, name, value)
+    return message
+
+
+def path_of(count: int, x: float = 0.0) -> Path:
+    pose = PoseStamped()
+    pose.pose.position.x = x
+    return Path(poses=[pose] * count)
+
+
+def bots_message(**changes: Any) -> msg.Bots:
+    three = {"x": [0.0] * 3, "y": [0.0] * 3, "heading": [0.0] * 3, "vx": [0.0] * 3, "vy": [0.0] * 3}
+    return msg.Bots(**{**three, "bucket": [-1] * 3, "state": [0] * 3, **changes})
+
+
+NONSENSE = {
+    "a velocity that is no number": lambda: wire.from_twist(twist(x=math.nan), 0),
+    "an infinite velocity": lambda: wire.from_twist(twist(y=-math.inf), 0),
+    "a path without a point": lambda: wire.from_path(path_of(0), 0),
+    "a path to nowhere": lambda: wire.from_path(path_of(2, math.inf), 0),
+    "a path of a million points": lambda: wire.from_path(path_of(1_000_000), 0),
+    "a verb that nobody knows": lambda: wire.from_ros(msg.BotRequest(verb="explode")),
+    "a bot that does not exist": lambda: wire.from_bot_request(msg.BotRequest(bot=12, verb="grab"), 12),
+    "a bot of negative number": lambda: wire.from_bot_request(msg.BotRequest(bot=-1, verb="grab"), 12),
+    "a million tiles to move": lambda: wire.from_ros(
+        msg.BotRequest(verb="transfer", moves=[msg.TileMove()] * 1_000_000)
+    ),
+    "an event that nobody knows": lambda: wire.from_ros(msg.Event(type="earthquake")),
+    "an event at no place": lambda: wire.from_ros(msg.Event(type="grabbed", x=math.nan)),
+    "a code that nobody knows": lambda: wire.from_ros(msg.BotReply(code="maybe")),
+    "a phase that nobody knows": lambda: wire.from_ros(msg.BotStatus(phase="dreaming")),
+    "poses of unequal length": lambda: wire.from_ros(bots_message(y=[0.0])),
+    "poses at no place": lambda: wire.from_ros(bots_message(x=[math.nan] * 3)),
+    "a state that nobody knows": lambda: wire.from_ros(bots_message(state=[9, 0, 0])),
+    "buckets of unequal length": lambda: wire.from_ros(msg.Buckets(x=[0.0], y=[0.0], bot=[-1])),
+    "a word with too many marks": lambda: wire.from_ros(msg.Word(tiles=[1], filled=[True, False])),
+    "contents of no bucket": lambda: wire.from_ros(msg.Snapshot(content_start=[0, 1], content_tile=[1])),
+    "contents that run backwards": lambda: wire.from_ros(
+        msg.Snapshot(content_start=[0, 2, 1], buckets=msg.Buckets(x=[0.0] * 2, y=[0.0] * 2, bot=[0, 0], tiles=[0, 0]))
+    ),
+    "a storage spot off the floor": lambda: wire.from_ros(msg.Layout(storage_spots=[4])),
+    "a scenario of another version": lambda: wire.from_ros(msg.Scenario(json='{"name": 3}')),
+    "a task of no kind": lambda: wire.from_ros(msg.Tasks(tasks=[msg.Task(kind="dance")])),
+    "a trip over nowhere": lambda: wire.trip_goal(
+        action.CarryTrip.Goal(trip=msg.Trip(fetch_route=[path_of(1, math.nan).poses[0].pose.position])), 0
+    ),
+    "a tile that is no letter": lambda: wire.transfer_by_hand(srv.Transfer.Request(tile="42"), 0, 0),
+    "a colour beyond counting": lambda: wire.transfer_by_hand(srv.Transfer.Request(tile="E999999999"), 0, 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("nonsense", NONSENSE)
+def test_what_makes_no_sense_is_refused(nonsense: str):
+    with pytest.raises(wire.MalformedMessage):
+        NONSENSE[nonsense]()
