@@ -19,7 +19,7 @@ from std_srvs.srv import SetBool
 from soup_msgs_py import topics
 from soup_msgs_py.arguments import Parser, add_run, add_scenario, add_speed, check_run
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
+from soup_msgs_py.live.domain import only_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import PartsWatch, Report
 from soup_msgs_py.live.services import Answer, serve
@@ -273,20 +273,20 @@ def run_world(options: Any) -> None:
     stay_on_this_machine()
     with Live("world") as live:
         node = live.node(topics.WORLD_NODE)
-        refuse_second_world(live, node)
-        if live.stopping:
-            return
-        console = Console()
-        console.print(warehouse.words.describe(), style="dim", highlight=False)
-        world = warehouse.world(options.seed, options.warmup)
-        pacer = Pacer(options.speed, options.duration or float("inf"), paused=options.paused)
-        record = RunRecord(world, options.seed, options.summary, options.event_log)
-        try:
-            shell = WorldNode(live, node, world, pacer, record)
-            live.spin()
-            summary = record.finish(pacer.wall_seconds, shell.policies())
-        finally:
-            record.close()
+        with only_world(live, node):
+            if live.stopping:
+                return
+            console = Console()
+            console.print(warehouse.words.describe(), style="dim", highlight=False)
+            world = warehouse.world(options.seed, options.warmup)
+            pacer = Pacer(options.speed, options.duration or float("inf"), paused=options.paused)
+            record = RunRecord(world, options.seed, options.summary, options.event_log)
+            try:
+                shell = WorldNode(live, node, world, pacer, record)
+                live.spin()
+                summary = record.finish(pacer.wall_seconds, shell.policies())
+            finally:
+                record.close()
     console.print(table(summary))
     for line in record.why():
         console.print(line, style="red", highlight=False)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import MutableMapping
+import socket
+from collections.abc import Iterator, MutableMapping
+from contextlib import contextmanager
 
 from rclpy.node import Node
 
@@ -26,12 +28,52 @@ def stay_on_this_machine(processes: int = 1, environment: MutableMapping[str, st
         environment.setdefault(RANGE, "LOCALHOST")
 
 
+@contextmanager
+def only_world(live: Live, node: Node) -> Iterator[None]:
+    """Be the domain's only world for as long as the context lasts; enter it before publishing the clock.
+
+    Raises:
+        InputError: There is another one.
+    """
+    with _claim():
+        _refuse_world_elsewhere(live, node)
+        yield
+
+
 def refuse_second_world(live: Live, node: Node) -> None:
-    """Make sure that there is no world in this domain yet; call it before publishing the clock.
+    """Make sure that there is no world in this domain yet.
 
     Raises:
         InputError: There is one.
     """
+    with _claim():
+        _refuse_world_elsewhere(live, node)
+
+
+def _refuse_world_elsewhere(live: Live, node: Node) -> None:
+    """Look for a world on other machines, as far as discovery reaches in a moment."""
     if live.spin(lambda: node.count_publishers(topics.CLOCK) > 0, DISCOVERY_S):
-        domain = os.environ.get("ROS_DOMAIN_ID", "0")
-        raise InputError("ROS_DOMAIN_ID", "", f"another world in domain {domain}", "a domain of its own for each world")
+        raise _another_world()
+
+
+@contextmanager
+def _claim() -> Iterator[None]:
+    """Hold this machine's name for the world of the domain.
+
+    Discovery takes as long as a busy machine lets it. A socket in Linux's abstract namespace is there at once,
+    is gone with its process however that ends, and leaves no file.
+    """
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as name:
+        try:
+            name.bind(f"\0alphabet-soup/world/{_domain()}")
+        except OSError as error:
+            raise _another_world() from error
+        yield
+
+
+def _domain() -> str:
+    return os.environ.get("ROS_DOMAIN_ID") or "0"
+
+
+def _another_world() -> InputError:
+    return InputError("ROS_DOMAIN_ID", "", f"another world in domain {_domain()}", "a domain of its own for each world")
