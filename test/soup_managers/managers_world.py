@@ -185,6 +185,7 @@ class TinyWorld:
             tuple(self.waiting.values()),
             (),
             len(self.completed),
+            tuple(self.spots),
         )
 
     def handle(self, message) -> None:

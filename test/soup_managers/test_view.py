@@ -112,6 +112,46 @@ def test_a_bucket_leaves_its_spot_with_a_bot_and_rests_where_it_is_released(view
     assert view.bot_x[2] == x + 0.05
 
 
+def test_a_waypoint_becomes_a_storage_spot_and_a_storage_spot_a_waypoint(view, world):
+    lane = next(w for w in range(len(world.layout.waypoints)) if w not in world.spots)
+    gone = next(spot for spot in world.spots if spot not in view.bucket_on)
+    assert view.storage_spots == set(world.spots)
+    x, y = map(float, world.layout.waypoints[lane])
+    assert view.spot_at(x, y) == -1
+    view.apply(Event(0.0, 11, EventType.SPOT_MADE, waypoint=lane, x=x, y=y))
+    assert view.spot_at(x, y) == lane
+    assert lane in view.spots_within(x, y, 1.0)
+    x, y = map(float, world.layout.waypoints[gone])
+    view.apply(Event(0.0, 12, EventType.SPOT_REMOVED, waypoint=gone, x=x, y=y))
+    assert view.spot_at(x, y) == -1
+    assert view.storage_spots == {*world.spots, lane} - {gone}
+
+
+def test_a_newcomer_learns_the_storage_spots_of_the_moment(world):
+    world.spots = world.spots[:-1]
+    view = WarehouseView(world.scenario, world.layout)
+    view.reset(world.snapshot())
+    assert view.storage_spots == set(world.spots)
+
+
+def test_a_world_that_is_started_again_is_taken_over_though_it_counts_its_events_anew(view, world):
+    view.apply(transfer(11, bucket=0, station=1, tile=0, job=0))
+    world.sequence = 0
+    assert not view.reset(world.snapshot())
+    assert view.reset(replace(world.snapshot(), run=7))
+    assert (view.run, view.sequence, view.lost) == (7, 0, False)
+    assert view.contents[0] == {0: 2}
+    assert view.apply(transfer(1, bucket=0, station=1, tile=0, job=0))
+
+
+def test_a_view_that_has_lost_an_old_world_joins_the_new_one(view, world):
+    view.apply(transfer(13, bucket=0, station=1, tile=0, job=0))
+    assert view.lost
+    world.sequence = 2
+    assert view.reset(replace(world.snapshot(), run=7))
+    assert not view.lost
+
+
 def test_an_event_counts_once(view):
     event = transfer(11, bucket=0, station=1, tile=0, job=0)
     assert view.apply(event)

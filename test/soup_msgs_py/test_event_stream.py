@@ -65,6 +65,17 @@ def test_with_another_world_everything_begins_anew():
     assert stream.take_event(event(1)) == [event(1)]
 
 
+def test_the_last_events_of_an_old_world_do_not_keep_a_follower_from_joining_the_new_one():
+    stream = EventStream()
+    stream.take_snapshot(snapshot(50))
+    stream.restart()
+    stream.take_event(event(51))
+    for number in (1, 2, 3):
+        assert stream.take_event(event(number)) == []
+    second = snapshot(2)
+    assert stream.take_snapshot(second) == [second, event(3)]
+
+
 @given(st.sets(st.integers(1, 40)), st.lists(st.integers(0, 40)))
 def test_whatever_is_lost_the_follower_hears_no_event_twice_and_no_gap_in_step(lost: set[int], snapshots: list[int]):
     stream, known = EventStream(), -1

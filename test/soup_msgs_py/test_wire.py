@@ -71,7 +71,7 @@ def snapshots(draw: st.DrawFn) -> m.Snapshot:
     contents = tuple(draw(st.lists(content, max_size=4)))
     return m.Snapshot(
         draw(time), draw(int64), draw(bots()), draw(buckets(len(contents))), contents, draw(word_stations),
-        draw(letter_stations), draw(some_words), draw(bundles), draw(int32),
+        draw(letter_stations), draw(some_words), draw(bundles), draw(int32), draw(some_ints), draw(int64),
     )  # fmt: skip
 
 
@@ -89,7 +89,7 @@ def layouts(draw: st.DrawFn) -> Layout:
 
 events = st.builds(
     m.Event, time, int64, st.sampled_from(EventType), int32, int32, int32, int32, int32, int32, place, place,
-    some_ints, some_ints, some_ints, text,
+    some_ints, some_ints, some_ints, text, int32,
 )  # fmt: skip
 visits = st.lists(st.builds(m.Visit, int32, moves, points), max_size=3).map(tuple)
 trips = st.builds(m.Trip, int64, int32, points, visits, points)
@@ -102,6 +102,7 @@ ONE_TO_ONE = {
     "reply of a bot": st.builds(m.BotReply, int32, int64, st.sampled_from(Code), text, time, place, place),
     "word to open": st.builds(m.AssignWord, int32, int32),
     "bundle to stage": st.builds(m.AssignBundle, int32, int32, int32),
+    "storage spot to make or remove": st.builds(m.SetStorageSpot, int32, st.booleans()),
     "event": events,
     "bots": bots(),
     "buckets": buckets(),
@@ -170,7 +171,9 @@ def test_a_path_keeps_its_number_and_its_times(number: int, corners: list[tuple[
 def test_a_reply_to_a_manager_arrives(code: Code, message: str, number: int):
     reply = m.Reply(code, message, number)
     assert wire.from_ros(over_the_wire(wire.assign_bundle_response(reply))) == reply
-    assert wire.from_ros(over_the_wire(wire.assign_word_response(reply))) == dataclasses.replace(reply, number=-1)
+    unnumbered = dataclasses.replace(reply, number=-1)
+    assert wire.from_ros(over_the_wire(wire.assign_word_response(reply))) == unnumbered
+    assert wire.from_ros(over_the_wire(wire.storage_spot_response(reply))) == unnumbered
 
 
 @given(st.sampled_from([m.DELIVER, m.STORE]), int64, some_ints, text)
@@ -190,9 +193,9 @@ def test_what_the_fleet_and_a_bot_say_to_each_other_arrives(
     assert wire.trip_feedback(over_the_wire(wire.to_ros(feedback)), 7, trip.trip) == feedback
 
 
-@given(layouts(), st.lists(st.floats(0, 1), max_size=5).map(tuple))
-def test_the_scenario_arrives_whole(layout: Layout, profile: tuple[float, ...]):
-    announcement = wire.Announcement(1.5, DEMO, layout, profile)
+@given(layouts(), st.lists(st.floats(0, 1), max_size=5).map(tuple), int64)
+def test_the_scenario_arrives_whole(layout: Layout, profile: tuple[float, ...], run: int):
+    announcement = wire.Announcement(1.5, DEMO, layout, profile, run)
     assert_alike(announcement, wire.from_ros(over_the_wire(wire.to_ros(announcement))))
 
 

@@ -34,6 +34,7 @@ def commands(world: World, rng: np.random.Generator) -> list[object]:
     scenario, layout = world.scenario, world.layout
     asked: list[object] = []
     buckets, carried = world.buckets(), world.bots().bucket
+    snapshot = world.snapshot()
     for bot in range(scenario.bots):
         request = int(rng.integers(1, 2**31))
         # asked first and mostly refused; where the bot happens to be at the right place, it works
@@ -53,13 +54,15 @@ def commands(world: World, rng: np.random.Generator) -> list[object]:
                 bucket = int(rng.integers(scenario.buckets))
                 x, y = buckets.x[bucket], buckets.y[bucket]
             else:
-                x, y = layout.waypoints[rng.choice(layout.stations if choice == 2 else layout.storage_spots)]
+                x, y = layout.waypoints[rng.choice(layout.stations if choice == 2 else snapshot.storage_spots)]
             asked.append(m.FollowPath(bot, request, ((float(x), float(y)),)))
-    waiting = world.snapshot().waiting_words
-    if waiting:
-        asked.append(m.AssignWord(waiting[0].word, int(rng.integers(scenario.word_station_count))))
+    if snapshot.waiting_words:
+        word = snapshot.waiting_words[0].word
+        asked.append(m.AssignWord(word, int(rng.integers(scenario.word_station_count))))
     station = scenario.word_station_count + int(rng.integers(scenario.letter_station_count))
     asked.append(m.AssignBundle(station, tile=int(rng.integers(26))))
+    for storage in (False, True):
+        asked.append(m.SetStorageSpot(int(rng.integers(len(layout.waypoints))), storage))
     return asked
 
 
@@ -99,7 +102,10 @@ def test_no_law_is_broken_under_random_commands(seed: int, turn_rate: str, clear
 @given(SEEDS, st.integers(0, 20), st.floats(0.0, 3.0))
 @settings(max_examples=15)
 def test_a_checkpoint_at_any_time_changes_nothing_that_follows(tmp_path_factory, seed, steps, pause) -> None:
-    warehouse = small("orders={kind: poisson, per_hour: 2000}", "bundles={kind: poisson, per_hour: 2000}")
+    warehouse = small(
+        "orders={kind: poisson, per_hour: 2000}", "bundles={kind: poisson, per_hour: 2000}",
+        "word_station.policy=nearly_done", "letter_station.policy=nearly_empty",
+    )  # fmt: skip
     path = tmp_path_factory.mktemp("checkpoint") / "world"
     world = warehouse.world(seed)
     run(world, seed, steps)

@@ -15,8 +15,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.distance import pdist
 
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.floor_plan import MapLayout
 from soup_msgs_py.layout import Layout
-from soup_msgs_py.scenario import MapLayout, Scenario, load_scenario, scenario_from_json
+from soup_msgs_py.scenario import Scenario, load_scenario, scenario_from_json
 from soup_sim.layouts import make_layout
 from soup_sim.setup import load_warehouse
 
@@ -197,12 +198,16 @@ def test_lanes_lead_both_ways_and_the_wrong_way_costs_five_times(floor):
 
 
 @given(floors())
-def test_nobody_passes_a_station_along_the_edge(floor):
-    _, layout = floor
+def test_a_station_is_joined_to_all_its_neighbours_but_other_stations(floor):
+    scenario, layout = floor
+    beside = cKDTree(layout.waypoints)
     for station in layout.stations:
-        ends = layout.edges[(layout.edges == station).any(axis=1)]
-        assert len(ends) == 2  # in and out
-        assert len(np.unique(layout.waypoints[ends][..., 1])) == 1
+        joined = set(layout.edges[layout.edges[:, 0] == station, 1].tolist())
+        assert joined == set(layout.edges[layout.edges[:, 1] == station, 0].tolist())
+        assert not joined & set(layout.stations.tolist())
+        near = beside.query_ball_point(layout.waypoints[station], scenario.layout.pitch_m * 1.5)
+        same_line = [w for w in near if np.isclose(layout.waypoints[w] - layout.waypoints[station], 0.0).any()]
+        assert set(same_line) - {station} - set(layout.stations.tolist()) <= joined
 
 
 @given(floors())
@@ -447,8 +452,13 @@ def test_an_extra_edge_gives_one_that_is_there_another_weight():
             "layout.highways.0.end: found the place of start; allowed: another place",
         ),
         (
-            # the only way out of the lowest letter station
-            {"highways": [{"start": [4.5, 10.5], "end": [1.5, 10.5], "one_way": True}]},
+            # all ways out of the lowest letter station
+            {
+                "highways": [
+                    {"start": start, "end": [1.5, 10.5], "one_way": True}
+                    for start in ([4.5, 10.5], [1.5, 13.5], [1.5, 7.5])
+                ]
+            },
             "layout: found a letter station at (1.5, 10.5) without a way from and to every station",
         ),
     ],

@@ -35,6 +35,7 @@ from soup_sim.validate import Judge, Law, judge_log
 A, B, C = 0, 1, 2
 SPOTS = [(10.0, 10.0), (14.0, 10.0), (18.0, 10.0), (22.0, 10.0), (26.0, 10.0)]
 LETTER_STATION, WORD_STATION = (2.0, 10.0), (38.0, 10.0)
+LANES = [(30.0, 10.0), (19.5, 10.0)]  # waypoints that are no storage spots, the second one too near to one
 
 #   y=15             0 1            the bots at the end
 #   y=10   L   0   1   2   .   .            W
@@ -42,7 +43,7 @@ LETTER_STATION, WORD_STATION = (2.0, 10.0), (38.0, 10.0)
 LAYOUT = Layout(
     width_m=40.0,
     height_m=20.0,
-    waypoints=np.array([*SPOTS, WORD_STATION, LETTER_STATION]),
+    waypoints=np.array([*SPOTS, WORD_STATION, LETTER_STATION, *LANES]),
     edges=np.zeros((0, 2), np.int32),
     edge_weights=np.zeros(0),
     storage_spots=np.arange(5, dtype=np.int32),
@@ -93,6 +94,7 @@ START = Snapshot(
     waiting_words=(Word(1, "ab", (A, B)),),
     waiting_bundles=(),
     words_completed=0,
+    storage_spots=(0, 1, 2, 3, 4),
 )
 
 
@@ -125,6 +127,8 @@ HISTORY = {
     "collide": happened(44, T.BOT_COLLISION, (17.0, 15.0), bots=(0, 1)),
     "resume": happened(49, T.RESUMED, bot=0),
     "second resume": happened(49, T.RESUMED, bot=1),
+    "make spot": happened(49.5, T.SPOT_MADE, LANES[0], waypoint=7),
+    "remove spot": happened(49.5, T.SPOT_REMOVED, SPOTS[3], waypoint=3),
 }
 NAMES = list(HISTORY)
 END = Snapshot(
@@ -138,6 +142,7 @@ END = Snapshot(
     waiting_words=(Word(2, "cab", (C, A, B)),),
     waiting_bundles=(),
     words_completed=1,
+    storage_spots=(0, 1, 2, 4, 7),
 )
 
 Story = dict[str, Event]
@@ -200,6 +205,7 @@ def test_a_legal_history_breaks_no_law_whenever_one_looks():
         judge.poses(replace(END.bots, time=time), replace(END.buckets, time=time))
     for event in events[collided + 1 :]:
         judge.event(event)
+    judge.poses(replace(END.bots, time=49.5), replace(END.buckets, time=49.5))
     judge.finish(END)
     assert judge.violations == []
 
@@ -425,6 +431,46 @@ WRONG_HISTORIES: dict[str, tuple[Change, Law, str]] = {
         Law.STORAGE,
         "bucket 0 rests at (18, 10), where bucket 2 rests already",
     ),
+    "a_bucket_is_released_where_a_storage_spot_was": (
+        add("second grab", happened(23, T.SPOT_REMOVED, SPOTS[4], waypoint=4)),
+        Law.TOLERANCE,
+        "bot 0 released bucket 0 at (26, 10), where no storage spot is",
+    ),
+    "a_storage_spot_is_removed_under_a_bucket": (
+        alter("remove spot", waypoint=2, x=18.0),
+        Law.STORAGE,
+        "storage spot 2 was removed under bucket 2",
+    ),
+    "a_storage_spot_is_removed_where_none_is": (
+        alter("remove spot", waypoint=8, x=19.5),
+        Law.STORAGE,
+        "spot_removed at waypoint 8, where none is",
+    ),
+    "a_storage_spot_is_made_where_one_is": (
+        alter("make spot", waypoint=3, x=22.0),
+        Law.STORAGE,
+        "spot_made at waypoint 3, where one is already",
+    ),
+    "a_storage_spot_is_made_elsewhere": (
+        alter("make spot", x=30.5),
+        Law.STORAGE,
+        "spot_made at (30.5, 10), waypoint 7 is at (30, 10)",
+    ),
+    "a_storage_spot_is_made_at_no_waypoint": (
+        alter("make spot", waypoint=9),
+        Law.NUMBERS,
+        "spot_made at waypoint 9, which is none",
+    ),
+    "a_storage_spot_is_made_on_a_station": (
+        alter("make spot", waypoint=5, x=38.0),
+        Law.STORAGE,
+        "waypoint 5 is a station and became a storage spot",
+    ),
+    "a_storage_spot_is_made_too_near_to_another_one": (
+        alter("make spot", waypoint=8, x=19.5),
+        Law.STORAGE,
+        "storage spots 8 and 2 are too near for two buckets",
+    ),
     "a_bot_is_faster_than_it_can_be": (alter("A", time=8.9), Law.SPEED, "bot 0 moved 28 m in 6.9 s"),
     # collisions
     "a_bot_resumes_too_early": (
@@ -521,12 +567,12 @@ WRONG_ENDS: dict[str, tuple[dict[str, Any], Law, str]] = {
     "another_event_was_last": (
         {"sequence": 30},
         Law.SEQUENCE,
-        "the snapshot follows event 30, the last event is 18",
+        "the snapshot follows event 30, the last event is 20",
     ),
     "it_is_older_than_the_last_event": (
         {"time": 48.0},
         Law.CLOCK,
-        "the snapshot is from 48 s, the last event from 49 s",
+        "the snapshot is from 48 s, the last event from 49.5 s",
     ),
     "a_tile_is_lost": ({"contents": ({}, {C: 3}, {})}, Law.TILES, "1 tiles A0 were lost in this run"),
     "a_tile_is_made": (
@@ -568,6 +614,16 @@ WRONG_ENDS: dict[str, tuple[dict[str, Any], Law, str]] = {
         {"letter_stations": (LetterStationState(1, *LETTER_STATION, -1, ()),)},
         Law.SNAPSHOT,
         "bundle 8 is nowhere in the snapshot",
+    ),
+    "a_storage_spot_is_gone": (
+        {"storage_spots": (0, 1, 2, 4)},
+        Law.SNAPSHOT,
+        "waypoint 7 is no storage spot in the snapshot, but is by the events",
+    ),
+    "a_storage_spot_is_still_there": (
+        {"storage_spots": (0, 1, 2, 3, 4, 7)},
+        Law.SNAPSHOT,
+        "waypoint 3 is one in the snapshot, not by the events",
     ),
     "more_words_are_completed": (
         {"words_completed": 2},

@@ -108,7 +108,7 @@ class BotMind(Driver):
         self.phase = Phase.DRIVING
         x, y = goal.points[-1]
         self._text = f"drives to ({x:.1f}, {y:.1f})"
-        return [*out, *self._start_drive(goal.points, now), *self._tell(now)]
+        return [*out, *self._start_drive(goal.points, now, goal.stamps), *self._tell(now)]
 
     def _on_cancel_drive(self, cancel: CancelDrive, now: float) -> list[Message]:
         if self._drive < 0 or self._drive != cancel.drive:

@@ -8,6 +8,7 @@ what changes.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from soup_bots.bot_mind import BotMind
 from soup_bots.commands import ASK, BACK, SAY, SILENT, TELL, WHEEL, what_changes
 from soup_bots.courtesy import free_place
 from soup_bots.passing import corners_passed, room_to_start
+from soup_bots.senses import KnownContents, Senses
 from soup_bots.steering.base import (
     BOT_ON_GOAL,
     BUCKET_IN_WAY,
@@ -27,6 +29,7 @@ from soup_bots.steering.base import (
     Steer,
     Steering,
     SteerView,
+    follow_all,
 )
 from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.layout import Layout
@@ -90,6 +93,14 @@ class Crew:
         }
         self._steering = steering
         steering.rng = rng
+        self._senses: Senses | None = None
+        self._alone: dict[int, Steering] = {}
+        if body.sensing.is_alone:
+            self._senses = Senses(body.sensing, body.sensing_radius_m)
+            for bot, own_rng in zip(self.minds, rng.spawn(len(self.minds)), strict=True):
+                self._alone[bot] = deepcopy(steering)
+                self._alone[bot].rng = own_rng
+        self._contents = KnownContents(body.sensing.contents, scenario.word_station_count)
         self._limits = Limits(
             body.radius_m,
             scenario.bucket.radius_m,
@@ -117,8 +128,8 @@ class Crew:
 
     @property
     def wants_to_sense(self) -> bool:
-        """Whether any bot drives."""
-        return self._drivers > 0
+        """Whether any bot drives by what it senses."""
+        return self._steering.senses and self._drivers > 0
 
     # ---- messages -----------------------------------------------------------------------------------------
 
@@ -133,6 +144,8 @@ class Crew:
                         out += mind.handle(message, now)
                         self._look_at(mind, out, now)
                 return out
+            if message.type is EventType.TRANSFERRED:
+                self._contents.moved(message)
         elif isinstance(message, Snapshot):
             return self._begin(message, now)
         mind = self.minds.get(message.bot)
@@ -153,6 +166,7 @@ class Crew:
 
     def _begin(self, snapshot: Snapshot, now: float) -> list[Message]:
         out: list[Message] = []
+        self._contents.begin(snapshot)
         buckets = snapshot.bots.bucket
         for bot, mind in self.minds.items():
             if bot < len(buckets):
@@ -188,8 +202,10 @@ class Crew:
 
     def _may_start(self, bot: int, now: float) -> bool:
         """Whether a bot may set off at once: nothing can touch it until the steering looks around again."""
+        if not self._steering.senses:
+            return True
         seen = self._seen
-        if seen is None or now - seen.time > 1.5 * self.sense_period_s:
+        if self._senses is not None or seen is None or now - seen.time > 1.5 * self.sense_period_s:
             return False
         ahead_s = now - seen.time + self.sense_period_s
         return room_to_start(bot, seen.x, seen.y, seen.vx, seen.vy, self._limits.bot_radius_m, ahead_s)
@@ -222,6 +238,25 @@ class Crew:
             self._notice_collisions(bots, now, out)
         if len(rows) == 0:
             return out
+        if self._senses is None:
+            steer = self._steer(rows, bots, buckets, self._steering, now)
+        else:
+            steer = self._steer_blind(rows, bots, buckets, self._senses, now)
+        self._apply(rows, steer, bots, now, out)
+        return out
+
+    def _steer_blind(self, rows: NDArray[np.int64], bots: Bots, buckets: Buckets, senses: Senses, now: float) -> Steer:
+        """Ask the steering of each bot by itself, with its own picture of the world."""
+        steer = follow_all(len(rows))
+        for row, bot in enumerate(rows.tolist()):
+            seen = senses.bots(bot, bots)
+            own = self._steer(rows[row : row + 1], seen, senses.buckets(bot, seen, buckets), self._alone[bot], now)
+            steer.mode[row], steer.vx[row], steer.vy[row] = own.mode[0], own.vx[0], own.vy[0]
+            steer.reason[row], steer.other[row] = own.reason[0], own.other[0]
+        return steer
+
+    def _steer(self, rows: NDArray[np.int64], bots: Bots, buckets: Buckets, steering: Steering, now: float) -> Steer:
+        """Count the corners that bots have passed, and ask a steering what they should do."""
         passed = corners_passed(
             rows,
             self._course,
@@ -259,9 +294,10 @@ class Crew:
             buckets.y,
             buckets.bot,
             self._limits,
+            bots.heading,
+            self._contents.seen(buckets),
         )
-        self._apply(rows, self._steering.steer(view), bots, now, out)
-        return out
+        return steering.steer(view)
 
     def _apply(self, rows: NDArray[np.int64], steer: Steer, bots: Bots, now: float, out: list[Message]) -> None:
         """Tell what has changed by the steering's word."""
@@ -304,6 +340,8 @@ class Crew:
         """Ask the bot that stands on the goal of `bot`, or on its way, to step aside. One that is at work will not."""
         if bots.state[other] != BotState.FREE:
             return []
+        if self._senses is not None:
+            bots = self._senses.bots(other, bots)
         point = free_place(other, bots, self._limits)
         mind = self.minds.get(other)
         if mind is None:

@@ -29,6 +29,7 @@ class Driver:
         phase: Which part of its work it is at.
         trip: The trip that it is on.
         route: Corners of the drive that it is on; empty when it is on none.
+        stamps: When to be at each of them (s), or empty: as soon as possible.
         corner: How many of them are behind it. The crew, which senses where the bot is, counts this up.
         drives: Counts the drives that were begun, so that the crew notices a new one.
         next_wake: Simulated time (s) when `wake` is due.
@@ -48,6 +49,7 @@ class Driver:
         self.phase = Phase.IDLE
         self.trip: Trip | None = None
         self.route: tuple[Point, ...] = ()
+        self.stamps: tuple[float, ...] = ()
         self.corner = 0
         self.drives = 0
         self.held = False  # the next path waits for the steering's word
@@ -95,7 +97,7 @@ class Driver:
         """The path that is left of the drive, under a new request number."""
         self.held = False
         self._request = self._number(now)
-        return FollowPath(self.bot, self._request, self.route[self.corner :])
+        return FollowPath(self.bot, self._request, self.route[self.corner :], self.stamps[self.corner :])
 
     def waits(self, reason: str, now: float) -> list[Message]:
         """Tell why the bot stands on its way; an empty reason: it drives again."""
@@ -113,18 +115,20 @@ class Driver:
         self.next_wake = now + self._penalty_s + 2.0 * self._retry_s
         return self.waits("stands after a collision until its penalty is over", now)
 
-    def _start_drive(self, points: tuple[Point, ...], now: float) -> list[Message]:
+    def _start_drive(
+        self, points: tuple[Point, ...], now: float, stamps: tuple[float, ...] = ()
+    ) -> list[Message]:
         self.next_wake = NEVER
         self._step = Step.DRIVE
         self._reason = ""
         self._struck = False
-        self.route, self.corner = points, 0
+        self.route, self.stamps, self.corner = points, stamps, 0
         self.drives += 1
         return [self.path(now)]
 
     def _stop_driving(self) -> None:
         self._step = Step.STAND
-        self.route, self.corner, self.held = (), 0, False
+        self.route, self.stamps, self.corner, self.held = (), (), 0, False
         self._request = -1
         self._struck = False
         self.next_wake = NEVER

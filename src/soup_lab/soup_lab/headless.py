@@ -12,9 +12,9 @@ import numpy as np
 from soup_bots.crew import FOR_BOTS, Crew
 from soup_bots.steering import KNOWN as STEERING
 from soup_bots.steering.base import Steering
-from soup_managers.fleet_manager import FleetManager
 from soup_managers.letter_manager import LetterManager
-from soup_managers.policies import FLEET, LETTER, WORD, FleetPolicy, LetterPolicy, WordPolicy
+from soup_managers.make_fleet import load_fleet, make_fleet
+from soup_managers.policies import LETTER, WORD, AnyFleet, LetterPolicy, WordPolicy
 from soup_managers.view import WarehouseView
 from soup_managers.word_manager import WordManager
 from soup_msgs_py import messages as m
@@ -31,7 +31,7 @@ class Minds:
 
     word: WordPolicy
     letter: LetterPolicy
-    fleet: FleetPolicy
+    fleet: AnyFleet
     bot: Steering
 
 
@@ -44,7 +44,7 @@ def make_minds(policies: Policies) -> Minds:
     return Minds(
         word=load_policy(policies.word, "word", WORD, WordPolicy),
         letter=load_policy(policies.letter, "letter", LETTER, LetterPolicy),
-        fleet=load_policy(policies.fleet, "fleet", FLEET, FleetPolicy),
+        fleet=load_fleet(policies.fleet),
         bot=load_policy(policies.bot, "bot", STEERING, Steering),
     )
 
@@ -69,7 +69,7 @@ class Headless:
         profile = self.world.tile_profile
         self.word = WordManager(scenario, layout, minds.word, view, rngs[0])
         self.letter = LetterManager(scenario, layout, minds.letter, view, rngs[1], profile)
-        self.fleet = FleetManager(scenario, layout, minds.fleet, view, rngs[2])
+        self.fleet = make_fleet(scenario, layout, minds.fleet, view, rngs[2])
         self.crew = Crew(scenario, layout, range(scenario.bots), minds.bot, rngs[3])
         self._all = (self.word, self.letter, self.fleet, self.crew)
         self._queue: deque[tuple[Any, Message]] = deque()
@@ -119,7 +119,7 @@ class Headless:
                     self._say(self.crew, self.crew.handle(message, now))
             elif kind in _TO_WORLD:
                 answers = world.handle(message)
-                if kind is m.AssignWord or kind is m.AssignBundle:
+                if kind in _ANSWERED_AT_ONCE:
                     for answer in answers:
                         if type(answer) is m.Reply:
                             self._say(speaker, speaker.handle(answer, now))
@@ -131,14 +131,15 @@ class Headless:
                 self._say(self.crew, self.crew.handle(message, now))
             elif kind in _TO_FLEET:
                 self._say(self.fleet, self.fleet.handle(message, now))
+            elif kind is m.Bound:
+                self._say(self.word, self.word.handle(message, now))
             elif kind is m.TaskFeedback or kind is m.TaskResult:
                 manager = self.word if message.kind == m.DELIVER else self.letter
                 self._say(manager, manager.handle(message, now))
 
 
-_TO_WORLD = frozenset(
-    {m.SetVelocity, m.SetVelocities, m.FollowPath, m.Grab, m.Release, m.Transfer, m.AssignWord, m.AssignBundle}
-)
+_ANSWERED_AT_ONCE = frozenset({m.AssignWord, m.AssignBundle, m.SetStorageSpot})
+_TO_WORLD = _ANSWERED_AT_ONCE | {m.SetVelocity, m.SetVelocities, m.FollowPath, m.Grab, m.Release, m.Transfer}
 _TO_CREW = frozenset({m.BotReply, m.TripGoal, m.CancelTrip, m.DriveGoal, m.CancelDrive})
 _TO_FLEET = frozenset(
     {m.BotStatus, m.TripFeedback, m.TripResult, m.DriveResult, m.DeliverGoal, m.StoreGoal, m.CancelTask}

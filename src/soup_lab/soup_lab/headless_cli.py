@@ -13,7 +13,7 @@ from rich.table import Table
 from soup_lab.headless import Headless, make_minds
 from soup_lab.runs import RunPlan, Summary, combine, open_log, run_many, run_once
 from soup_msgs_py import arguments as args
-from soup_msgs_py.errors import InputError
+from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.policies import ROLES, load_policies
 from soup_sim.setup import load_warehouse
 from soup_sim.summary import table, write_summary
@@ -54,6 +54,9 @@ def main(argv: list[str] | None = None) -> int:
     plan = RunPlan(warehouse, policies, options.duration, options.warmup)
     try:
         summary = _one(plan, options, console) if options.replications == 1 else _several(plan, options, console)
+    except RunError as error:
+        print(error, file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("stopped before the end; no summary", file=sys.stderr)
         return 130

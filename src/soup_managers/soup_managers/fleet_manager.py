@@ -110,6 +110,7 @@ class FleetManager(Manager):
 
     def on_world(self, now: float) -> list[Message]:
         """Take over what came before the snapshot; after a gap, correct all tasks by what is there."""
+        self._fleet.router.set_storage_spots(self.view.storage_spots)
         if not self._started:
             self._started = True
             self._gather_until = now + GATHER_S
@@ -141,6 +142,8 @@ class FleetManager(Manager):
             if task is None:
                 return []
             self._book.set_missing(task, (), event.sequence)
+        elif kind is EventType.SPOT_MADE or kind is EventType.SPOT_REMOVED:
+            self._fleet.router.set_storage_spots(self.view.storage_spots)
         else:
             return []
         return self._act(now)
@@ -258,6 +261,8 @@ class FleetManager(Manager):
                             fleet.defer(letter, f"no way leads to {self._layout.station_name(letter.station)}")
             for bot in members(fleet.loaded_bots):
                 self._store(bot, now, said)
+            said += fleet.wishes
+            fleet.wishes.clear()
         if self._book.changed:
             self._tell(said)
         self.next_wake = late if knows_all else min(late, self._gather_until)

@@ -9,11 +9,9 @@ from typing import Any
 
 from rclpy.action.server import ServerGoalHandle
 from rclpy.serialization import deserialize_message
-from soup_msgs import action, msg
+from soup_msgs import action, msg, srv
 
-from soup_managers.fleet_manager import FleetManager
-from soup_managers.policies import FLEET, FleetPolicy
-from soup_managers.router import Router
+from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
 from soup_managers.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView
 from soup_msgs_py import topics
@@ -26,8 +24,12 @@ from soup_msgs_py.messages import (
     DELIVER,
     STORE,
     BotStatus,
+    Bound,
     CancelTask,
     CancelTrip,
+    DriveGoal,
+    DriveResult,
+    SetStorageSpot,
     TaskFeedback,
     TaskResult,
     Tasks,
@@ -36,7 +38,7 @@ from soup_msgs_py.messages import (
     TripResult,
 )
 from soup_msgs_py.mind import Message
-from soup_msgs_py.policies import PolicyChoice, load_policy
+from soup_msgs_py.policies import PolicyChoice
 from soup_msgs_py.qos import DISPLAY, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, to_ros, trip_feedback
 
@@ -59,6 +61,9 @@ class FleetManagerNode:
         self._live, self._choice, self._seed = live, choice, seed
         self._node = node = live.node(topics.FLEET_MANAGER_NODE)
         self._tasks = node.create_publisher(msg.Tasks, topics.TASKS, LATCHED)
+        self._world = node.create_client(srv.SetStorageSpot, topics.SET_STORAGE_SPOT)
+        self._bound = node.create_publisher(msg.Bound, topics.BOUND, LATCHED)
+        self._fleet: Fleet | None = None
         self._published: tuple[TaskState, ...] | None = None
         self._servers = {
             DELIVER: self._serve(DELIVER, action.DeliverLetters, topics.DELIVER_LETTERS),
@@ -66,6 +71,7 @@ class FleetManagerNode:
         }
         self._goals: dict[tuple[str, int], list[ServerGoalHandle]] = {}
         self._bots: dict[int, GoalClient] = {}
+        self._drives: dict[int, GoalClient] = {}
         self._silent: dict[int, BotStatus] = {}  # newest status of bots whose trip action is not seen yet
         self._known: set[int] = set()
         self._report = Report(live, node)
@@ -74,7 +80,10 @@ class FleetManagerNode:
             TaskFeedback: self._tell_task,
             TaskResult: self._end_task,
             TripGoal: self._ask_bot,
+            DriveGoal: self._ask_to_drive,
+            Bound: lambda m: self._bound.publish(to_ros(m)),
             CancelTrip: lambda m: self._bots[m.bot].cancel(m.trip),
+            SetStorageSpot: self._ask_world,
         }
         self._follower = Follower(live, node, self._report, self._make_mind, self._carry, lambda: "")
         live.subscribe(node, msg.Bots, topics.BOTS, self._on_poses, DISPLAY, raw=True)
@@ -82,18 +91,16 @@ class FleetManagerNode:
         live.every(TASKS_PERIOD_S, self._look_at_fleet)
         live.every(LOOK_AT_BOTS_S, self._look_at_bots)
 
-    def _make_mind(self, world: Announcement) -> FleetManager:
+    def _make_mind(self, world: Announcement) -> Fleet:
         for bot in range(len(self._bots), world.scenario.bots):
             self._bots[bot] = GoalClient(self._live, self._node, action.CarryTrip, topics.bot_topic(bot, topics.TRIP))
+            self._drives[bot] = GoalClient(self._live, self._node, action.Drive, topics.bot_topic(bot, topics.DRIVE))
             status = topics.bot_topic(bot, topics.STATUS)
             self._live.follow(self._node, msg.BotStatus, status, self._on_status, LATCHED)
-        policy = load_policy(self._choice, "fleet", FLEET, FleetPolicy)
+        policy = load_fleet(self._choice)
         view = WarehouseView(world.scenario, world.layout)
-        router = Router(world.layout)
-        # compiled code is loaded now, not while bots wait for their first trip
-        router.route(int(world.layout.storage_spots[0]), int(world.layout.word_stations[0]))
-        rng = role_rng("fleet", self._seed)
-        return FleetManager(world.scenario, world.layout, policy, view, rng, router)
+        self._fleet = make_fleet(world.scenario, world.layout, policy, view, role_rng("fleet", self._seed))
+        return self._fleet
 
     # ---- the other managers -------------------------------------------------------------------------------
 
@@ -129,7 +136,7 @@ class FleetManagerNode:
 
     def _look_at_bots(self) -> None:
         """A bot counts as soon as it can be asked for trips."""
-        for bot in [bot for bot in self._silent if self._bots[bot].ready]:
+        for bot in [bot for bot in self._silent if self._bots[bot].ready and self._drives[bot].ready]:
             self._known.add(bot)
             self._follower.tell(self._silent.pop(bot))
         self._report.values["bots"] = str(len(self._known))
@@ -145,19 +152,30 @@ class FleetManagerNode:
 
         self._bots[bot].send(trip, to_ros(goal), on_feedback, on_result)
 
+    def _ask_world(self, wish: SetStorageSpot) -> None:
+        self._world.call_async(to_ros(wish))  # an event tells whether it did
+
+    def _ask_to_drive(self, goal: DriveGoal) -> None:
+        bot, drive = goal.bot, goal.drive
+
+        def on_result(code: Code, message: str) -> None:
+            self._follower.tell(DriveResult(bot, drive, code, message))
+
+        self._drives[bot].send(drive, to_ros(goal), lambda _: None, on_result)
+
     # ---- now and then -------------------------------------------------------------------------------------
 
     def _on_poses(self, cdr: bytes) -> None:
         self._poses = cdr
 
     def _look_at_fleet(self) -> None:
-        mind = self._follower.mind
-        if not isinstance(mind, FleetManager) or not self._follower.in_step:
+        fleet = self._fleet
+        if fleet is None or not self._follower.in_step:
             return
         if self._poses:
             self._follower.tell(from_ros(deserialize_message(self._poses, msg.Bots)))
             self._poses = b""
-        tasks = mind.tasks()
+        tasks = fleet.tasks()
         if tasks != self._published:
             self._published = tasks
             self._tasks.publish(to_ros(Tasks(self._follower.now, tasks)))
@@ -171,7 +189,7 @@ def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> 
     """Run the fleet manager in this process; its exit status."""
 
     def check(choice: PolicyChoice) -> None:
-        load_policy(choice, "fleet", FLEET, FleetPolicy)
+        load_fleet(choice)
 
     return run_manager(argv, "fleet", policies, check, FleetManagerNode)
 

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from soup_managers.fleet_tasks import TaskBook
-from soup_managers.letter_queue import LetterQueue
-from soup_managers.plans import Letter, TripPlan
+from soup_managers.letter_queue import Awaited, LetterQueue
+from soup_managers.plans import Key, Letter, TripPlan
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.layout import Layout
-from soup_msgs_py.messages import DELIVER, STORE, BotStatus, Event, Point, TileMove, Trip, Visit
+from soup_msgs_py.messages import DELIVER, STORE, BotStatus, Event, Point, SetStorageSpot, TileMove, Trip, Visit
 from soup_msgs_py.mind import NEVER
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.tiles import tile_name
@@ -50,6 +50,7 @@ class FleetState:
         loaded_bots: Bots that stand idle with a bucket, as a bit set; what a policy leaves over is stored.
         trips: Trips under way, by bot.
         book: The tasks and their letters.
+        wishes: What the policy wants the world to change, until the fleet manager has asked for it.
     """
 
     def __init__(
@@ -68,7 +69,8 @@ class FleetState:
         self.trips: dict[int, ActiveTrip] = {}
         self.free_bots = 0
         self.loaded_bots = 0
-        self._storage_spots = frozenset(layout.storage_spots.tolist())
+        self._served: dict[Key, int] = {}  # tasks that trips under way are for, and how many
+        self.wishes: list[SetStorageSpot] = []
         self._reserved_buckets = 0
         self._reserved_spots: dict[int, int] = {}  # spot to bot
         self._late: list[tuple[float, int, Letter]] = []  # moved for sure, but the event has not come: until, bot
@@ -95,6 +97,20 @@ class FleetState:
         else:
             until, some, what = letter.tile, view.holders(letter.tile), f"holds {tile_name(letter.tile)}"
         letter.reason = reason or (f"every bucket that {what} is in use" if some else f"no bucket {what}")
+        self._set_aside(letter, until)
+        if not self.is_served(letter.key):
+            self.book.queue.bring_back(letter.key)  # those that wait for their turn need not wait for this one
+
+    def is_served(self, key: Key) -> bool:
+        """Whether a trip is under way for a task; it is until its bucket is back in storage."""
+        return key in self._served
+
+    def hold(self, letter: Letter) -> None:
+        """Set aside a letter whose task is served, until that trip has ended."""
+        letter.reason = "its letters come one at a time"
+        self._set_aside(letter, letter.key)
+
+    def _set_aside(self, letter: Letter, until: Awaited) -> None:
         self.book.queue.defer(letter, until)
         task = self.book.tasks[letter.key]
         self.book.changed[task.key] = task
@@ -109,14 +125,24 @@ class FleetState:
 
     def is_free_spot(self, spot: int) -> bool:
         """Whether a storage spot is empty and not kept for a bucket under way."""
-        return spot in self._storage_spots and spot not in self.view.bucket_on and spot not in self._reserved_spots
+        view = self.view
+        return spot in view.storage_spots and spot not in view.bucket_on and spot not in self._reserved_spots
 
     def nearest_free_spot(self, x: float, y: float) -> int:
         """The free storage spot nearest to a place in metres, as a waypoint; -1 where there is none."""
-        spots = self.layout.storage_spots
+        spots = np.array(sorted(self.view.storage_spots), np.int64)
         step = self.layout.waypoints[spots] - (x, y)
         order = np.argsort(step[:, 0] * step[:, 0] + step[:, 1] * step[:, 1], kind="stable")
         return next((spot for spot in spots[order].tolist() if self.is_free_spot(spot)), -1)
+
+    def set_storage_spot(self, waypoint: int, storage: bool) -> None:
+        """Ask the world to turn a waypoint into a storage spot, or a free one into a plain waypoint.
+
+        `view.storage_spots` will tell whether it did: buckets have to have room. A spot that is kept for a bucket
+        under way is not asked for.
+        """
+        if storage or waypoint not in self._reserved_spots:
+            self.wishes.append(SetStorageSpot(waypoint, storage))
 
     # ---- for the fleet manager -----------------------------------------------------------------------------
 
@@ -139,10 +165,10 @@ class FleetState:
             return
         letters = []
         for visit in trip.visits[status.visits_done :]:
-            kind = DELIVER if self.layout.is_word_station(visit.station) else STORE
             for move in visit.moves:
                 if move.tile >= 0 and move.job >= 0:
-                    letters.append(Letter((0, 0), (kind, move.job), visit.station, move.tile))
+                    key = self._kind_at(visit.station), move.job
+                    letters.append(Letter((0, 0), key, visit.station, move.tile))
                     self.book.promise(letters[-1])
         spot = self.view.spot_at(*trip.store_route[-1]) if trip.store_route else -1
         self._enter(status.bot, ActiveTrip(trip, spot, letters, now))
@@ -159,6 +185,7 @@ class FleetState:
                 self._late.append((now + LATE_S, bot, letter))
             else:
                 self.book.take_back(letter)
+        self._serve_no_more(active.trip)
         self.bucket_freed(active.trip.bucket)
 
     def expire(self, now: float) -> float:
@@ -173,8 +200,7 @@ class FleetState:
 
     def moved(self, event: Event) -> None:
         """A tile was moved between a bucket and a station."""
-        kind = DELIVER if self.layout.is_word_station(event.station) else STORE
-        key = kind, event.job
+        key = self._kind_at(event.station), event.job
         active = self.trips.get(event.bot)
         letters = active.letters if active is not None else []
         promised = next((letter for letter in letters if letter.tile == event.tile and letter.key == key), None)
@@ -235,9 +261,24 @@ class FleetState:
 
     def _enter(self, bot: int, active: ActiveTrip) -> None:
         self.trips[bot] = active
+        for key in self._tasks_of(active.trip):
+            self._served[key] = self._served.get(key, 0) + 1
         self._reserved_buckets |= 1 << active.trip.bucket
         if active.spot >= 0:
             self._reserved_spots[active.spot] = bot
+
+    def _serve_no_more(self, trip: Trip) -> None:
+        for key in self._tasks_of(trip):
+            self._served[key] -= 1
+            if not self._served[key]:
+                del self._served[key]
+                self.book.queue.bring_back(key)
+
+    def _tasks_of(self, trip: Trip) -> set[Key]:
+        return {(self._kind_at(visit.station), move.job) for visit in trip.visits for move in visit.moves}
+
+    def _kind_at(self, station: int) -> str:
+        return DELIVER if self.layout.is_word_station(station) else STORE
 
     def _draw(self, plan: TripPlan, number: int) -> Trip | None:
         view, router = self.view, self.router

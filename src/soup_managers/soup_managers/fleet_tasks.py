@@ -155,8 +155,9 @@ class TaskBook:
         queued = letter.place is Place.QUEUED
         letter.place = Place.GONE
         if queued:
-            # it may be the one that a free bucket brought back: another may have its chance
+            # it may be the one that a free bucket, or the end of a trip, brought back: another may have its chance
             self.queue.bring_back(letter.tile if letter.key[0] == DELIVER else LetterQueue.ROOM)
+            self.queue.bring_back(letter.key)
 
     def _fulfil(self, letter: Letter) -> None:
         letter.place = Place.GONE

@@ -5,23 +5,25 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterator, KeysView
 
-from soup_managers.plans import Letter, Place
+from soup_managers.plans import Key, Letter, Place
 
 _Entry = tuple[tuple[int, int], int, Letter]
+Awaited = int | Key  # a tile kind, `LetterQueue.ROOM`, or a task
 
 
 class LetterQueue:
     """Waiting letters in the order of their tasks' arrival.
 
-    A letter is set aside under what it waits for: its tile kind, or `ROOM` in a bucket. Each bucket that
-    becomes free brings one such letter back, the oldest, because one is what the bucket can serve at once.
+    A letter is set aside under what it waits for: its tile kind, `ROOM` in a bucket, or the end of the trip that
+    its task is on. Each bucket that becomes free brings one such letter back, the oldest, because one is what the
+    bucket can serve at once; and so does each trip that ends.
     """
 
     ROOM = -1
 
     def __init__(self) -> None:
         self._queue: list[_Entry] = []
-        self._aside: dict[int, list[_Entry]] = {}
+        self._aside: dict[Awaited, list[_Entry]] = {}
         self._serial = 0
 
     def add(self, letter: Letter) -> None:
@@ -29,13 +31,13 @@ class LetterQueue:
         letter.place = Place.QUEUED
         heapq.heappush(self._queue, self._entry(letter))
 
-    def defer(self, letter: Letter, until: int) -> None:
-        """Set a queued letter aside until a bucket with that tile kind, or `ROOM`, becomes free."""
+    def defer(self, letter: Letter, until: Awaited) -> None:
+        """Set a queued letter aside until a bucket with that tile kind, or `ROOM`, or its own task becomes free."""
         letter.place = Place.DEFERRED
         heapq.heappush(self._aside.setdefault(until, []), self._entry(letter))
 
-    def bring_back(self, until: int) -> Letter | None:
-        """Queue the oldest of the letters that wait for a tile kind or for `ROOM`."""
+    def bring_back(self, until: Awaited) -> Letter | None:
+        """Queue the oldest of the letters that wait for a tile kind, for `ROOM` or for a task."""
         waiting = self._aside.get(until)
         while waiting:
             letter = heapq.heappop(waiting)[2]
@@ -47,8 +49,8 @@ class LetterQueue:
         return None
 
     @property
-    def awaited(self) -> KeysView[int]:
-        """What letters are set aside for: tile kinds and `ROOM`."""
+    def awaited(self) -> KeysView[Awaited]:
+        """What letters are set aside for: tile kinds, `ROOM` and tasks."""
         return self._aside.keys()
 
     def __bool__(self) -> bool:

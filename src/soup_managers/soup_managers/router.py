@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from collections.abc import Set
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -34,9 +35,7 @@ class Router:
         self._points: list[Point] = [(float(x), float(y)) for x, y in layout.waypoints]
         self._forward = _Graph(layout, layout.edges[:, 0], layout.edges[:, 1])
         self._backward = _Graph(layout, layout.edges[:, 1], layout.edges[:, 0])
-        self._through = np.zeros(len(layout.waypoints))
-        self._through[layout.stations] = STATION_DETOUR_M
-        self._through[layout.storage_spots] = math.inf
+        self._waypoints = layout.waypoints
         self.station_waypoints: list[int] = layout.stations.tolist()
         self._stations = frozenset(self.station_waypoints)
         self._to: dict[int, _Tree] = {}
@@ -44,8 +43,23 @@ class Router:
         self._others: OrderedDict[int, _Tree] = OrderedDict()
         self._found = np.empty(len(layout.waypoints), np.int32)
         self._near = KDTree(layout.waypoints)
+        self._spots: frozenset[int] = frozenset()
+        self._close(frozenset(layout.storage_spots.tolist()))
+
+    def set_storage_spots(self, spots: Set[int]) -> None:
+        """Take over which waypoints are storage spots now; after a change all ways are looked for anew."""
+        if spots != self._spots:
+            self._close(frozenset(spots))
+
+    def _close(self, spots: frozenset[int]) -> None:
+        self._spots = spots
+        self._through = np.zeros(len(self._waypoints))
+        self._through[self.station_waypoints] = STATION_DETOUR_M
+        self._through[sorted(spots)] = math.inf
         self._lanes = np.flatnonzero(np.isfinite(self._through))
-        self._near_lane = KDTree(layout.waypoints[self._lanes]) if len(self._lanes) else None
+        self._near_lane = KDTree(self._waypoints[self._lanes]) if len(self._lanes) else None
+        for kept in (self._to, self._from, self._others):
+            kept.clear()
 
     def route(self, start: int, goal: int) -> tuple[Point, ...] | None:
         """The way from one waypoint to another.

@@ -7,7 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from soup_msgs import msg
 
+from soup_msgs_py import topics
 from soup_msgs_py.arguments import Parser, seed
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.actions import GoalClient
@@ -15,9 +17,10 @@ from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.follower import Follower
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import Report
-from soup_msgs_py.messages import AssignBundle, AssignWord, CancelTask, DeliverGoal, StoreGoal, TaskResult
+from soup_msgs_py.messages import DELIVER, AssignBundle, AssignWord, CancelTask, DeliverGoal, StoreGoal, TaskResult
 from soup_msgs_py.mind import Message, Mind
 from soup_msgs_py.policies import PolicyChoice, load_policies
+from soup_msgs_py.qos import LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
 
 ROLES = ("word", "letter", "fleet")
@@ -64,6 +67,8 @@ class StationManagerNode:
         self._report = Report(live, node)
         self._report.values = {"policy": policy}
         self._follower = Follower(live, node, self._report, make_mind, self._carry, self._missing)
+        if kind == DELIVER:
+            live.follow(node, msg.Bound, topics.BOUND, self._follower.tell, LATCHED)
         live.every(LOOK_FOR_FLEET_S, self._fleet.look)
 
     def _missing(self) -> str:

@@ -43,9 +43,10 @@ class WarehouseView:
     """The world as told by one `Snapshot` and the `Event`s after it.
 
     Several managers in one process may share a view: what it has seen already it ignores. After a gap in the
-    events it stands still and is `lost` until the next snapshot.
+    events it stands still and is `lost` until the next snapshot. The snapshot of another run is always taken over.
 
     Attributes:
+        run: The run of the world that is in the view.
         sequence: Number of the last event that is in the view; -1 before the first snapshot.
         ready: Whether there has been a snapshot.
         resets: How many snapshots were taken over.
@@ -53,7 +54,9 @@ class WarehouseView:
         bucket_x: Positions of the buckets in metres, shape (buckets,); `bucket_y` likewise. A carried bucket
             is where its bot was last known to be.
         bucket_bot: The bot that carries each bucket, -1 for none.
-        spot_of: The storage spot (waypoint) where each bucket rests or last rested, -1 where unknown.
+        storage_spots: The waypoints that are storage spots now. A manager may ask the world to change that.
+        spot_of: The storage spot (waypoint) where each bucket rests or last rested, -1 where unknown. The one where
+            it last rested may be none any more.
         bucket_on: The bucket that rests on each occupied storage spot, by waypoint.
         contents: Tiles in each bucket, as tile kind to count.
         tiles_in: How many tiles are in each bucket.
@@ -68,24 +71,27 @@ class WarehouseView:
         free_places: How many more words can be opened, or bundles staged, on each station.
         stock: Tiles in buckets and staged bundles, by tile kind, shape (kinds,).
         wanted: Tiles that open words lack, by tile kind, shape (kinds,).
+        bound: The buckets that the fleet has bound for each station, where it tells.
     """
 
     def __init__(self, scenario: Scenario, layout: Layout) -> None:
         self.scenario = scenario
         self.layout = layout
+        self.run = 0
         self.sequence = -1
         self._heard = -1
         self.ready = False
         self.lost = False
         self.resets = 0
+        self.bound: dict[int, list[int]] = {}
         self.kinds = LETTERS * len(scenario.colours.shares)
-        self._spots: list[int] = layout.storage_spots.tolist()
-        self._spot_grid = PointGrid(layout.waypoints[layout.storage_spots], 4 * scenario.bucket.radius_m)
+        self._waypoint_grid = PointGrid(layout.waypoints, 4 * scenario.bucket.radius_m)
         self._clear(0, 0)
 
     def _clear(self, buckets: int, bots: int) -> None:
         self.bucket_x, self.bucket_y = np.zeros(buckets), np.zeros(buckets)
         self.bucket_bot = [-1] * buckets
+        self.storage_spots: set[int] = set()
         self.spot_of = [-1] * buckets
         self.bucket_on: dict[int, int] = {}
         self.contents: list[dict[int, int]] = []
@@ -118,26 +124,30 @@ class WarehouseView:
 
     def spot_at(self, x: float, y: float) -> int:
         """The storage spot that a bucket at a place in metres rests on, as a waypoint; -1 for none."""
-        covered = self._spot_grid.within(x, y, self.scenario.bucket.radius_m)
-        return self._spots[covered[0]] if covered else -1
+        return next(iter(self.spots_within(x, y, self.scenario.bucket.radius_m)), -1)
 
     def spots_within(self, x: float, y: float, radius: float) -> list[int]:
         """The storage spots nearer to a place than `radius` metres, as waypoints, the nearest first."""
-        return [self._spots[number] for number in self._spot_grid.within(x, y, radius)]
+        near = self._waypoint_grid.within(x, y, radius)
+        return [waypoint for waypoint in near if waypoint in self.storage_spots]
 
     # ---- how it is kept true -------------------------------------------------------------------------------
 
     def reset(self, snapshot: Snapshot) -> bool:
         """Take over a snapshot, where one is needed; whether it was.
 
-        One that is older than an event that was heard would leave a gap: it is refused, the view is `lost`.
+        One that is older than an event that was heard would leave a gap: it is refused, the view is `lost`. In
+        another run of the world, which numbers its events anew, nothing has been heard yet.
         """
+        if snapshot.run != self.run:
+            self.run, self._heard, self.ready = snapshot.run, -1, False
         if self.ready and not self.lost:
             return False
         if snapshot.sequence < self._heard:
             self.lost = True
             return False
         self._clear(len(snapshot.contents), len(snapshot.bots.x))
+        self.storage_spots.update(snapshot.storage_spots)
         self.observe(snapshot.bots)
         self.bot_bucket = snapshot.bots.bucket.tolist()
         self.bucket_x[:], self.bucket_y[:] = snapshot.buckets.x, snapshot.buckets.y
@@ -210,6 +220,10 @@ class WarehouseView:
                 self.free_places[event.station] += 1
         elif kind is EventType.RESUMED:
             self._see(event)
+        elif kind is EventType.SPOT_MADE:
+            self.storage_spots.add(event.waypoint)
+        elif kind is EventType.SPOT_REMOVED:
+            self.storage_spots.discard(event.waypoint)
         return True
 
     def _transferred(self, event: Event) -> None:

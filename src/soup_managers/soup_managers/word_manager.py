@@ -11,7 +11,7 @@ from soup_managers.station_manager import StationManager
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.layout import Layout
-from soup_msgs_py.messages import DELIVER, AssignWord, DeliverGoal, Event
+from soup_msgs_py.messages import DELIVER, AssignWord, Bound, DeliverGoal, Event
 from soup_msgs_py.mind import Message
 from soup_msgs_py.scenario import Scenario
 
@@ -32,6 +32,7 @@ class WordManager(StationManager):
         super().__init__(view, range(len(layout.word_stations)))
         self._policy = policy
         self._rng = rng
+        self._handlers |= {Bound: self._handle_bound}
 
     def on_event(self, event: Event, now: float) -> list[Message]:
         """A word that was opened needs letters; a place that became free needs a word."""
@@ -54,3 +55,11 @@ class WordManager(StationManager):
     def choose(self, free: list[int]) -> AssignWord | None:
         """What the word policy says, where words wait."""
         return self._policy.choose(self.view, free, self._rng) if self.view.waiting_words else None
+
+    def _handle_bound(self, bound: Bound, now: float) -> list[Message]:
+        stations: dict[int, list[int]] = {}
+        for bucket, station in zip(bound.buckets, bound.stations, strict=True):
+            if bucket >= 0:
+                stations.setdefault(station, []).append(bucket)
+        self.view.bound = stations
+        return []

@@ -49,6 +49,8 @@ class EventType(StrEnum):
     BOT_COLLISION = "bot_collision"
     BUCKET_COLLISION = "bucket_collision"
     RESUMED = "resumed"
+    SPOT_MADE = "spot_made"
+    SPOT_REMOVED = "spot_removed"
 
 
 class BotState(IntEnum):

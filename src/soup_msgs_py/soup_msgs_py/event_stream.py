@@ -37,6 +37,8 @@ class EventStream:
     def take_event(self, event: Event) -> list[Event]:
         """Take in an event; which events the follower should handle now."""
         if not self.in_step:
+            if self._early and event.sequence <= self._early[-1].sequence:
+                self._early.clear()  # another world counts anew
             self._early.append(event)
             return []
         if event.sequence <= self._last:

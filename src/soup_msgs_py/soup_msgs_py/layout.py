@@ -23,7 +23,7 @@ class Layout:
         waypoints: Positions in metres, shape (n, 2).
         edges: Directed edges between waypoints, shape (e, 2).
         edge_weights: Cost of each edge per metre, shape (e,): 1 is normal, more is the wrong way of a highway.
-        storage_spots: Waypoints where a bucket may rest, shape (s,).
+        storage_spots: Waypoints where a bucket may rest at the start, shape (s,); a `SetStorageSpot` changes it.
         word_stations: Waypoint of each word station.
         letter_stations: Waypoint of each letter station.
     """

@@ -133,6 +133,14 @@ class AssignBundle:
 
 
 @dataclass(frozen=True, slots=True)
+class SetStorageSpot:
+    """Turn a waypoint into a storage spot, or a free storage spot into a plain waypoint."""
+
+    waypoint: int
+    storage: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Reply:
     """The world's answer to a manager: `number` is the bundle that was staged, if one was."""
 
@@ -168,6 +176,7 @@ class Event:
     buckets: tuple[int, ...] = ()
     tiles: tuple[int, ...] = ()
     text: str = ""
+    waypoint: int = -1
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,7 +265,8 @@ class Stations:
 class Snapshot:
     """Everything that a newcomer needs, true right after event `sequence`.
 
-    `contents[b]` maps tile kind to count for bucket b.
+    `contents[b]` maps tile kind to count for bucket b. `storage_spots` are the waypoints where a bucket may rest now,
+    ascending. `run` tells one run of a world from the next, which counts its events anew; 0 in one process.
     """
 
     time: float
@@ -269,6 +279,8 @@ class Snapshot:
     waiting_words: tuple[Word, ...]
     waiting_bundles: tuple[Bundle, ...]
     words_completed: int
+    storage_spots: tuple[int, ...] = ()
+    run: int = 0
 
 
 # ---- what the fleet asks of a bot -----------------------------------------------------------------------------
@@ -336,11 +348,12 @@ class CancelTrip:
 
 @dataclass(frozen=True, slots=True)
 class DriveGoal:
-    """Ask a bot to drive through points and stop at the last."""
+    """Ask a bot to drive through points and stop at the last; `stamps` as in `FollowPath`."""
 
     bot: int
     drive: int
     points: tuple[Point, ...]
+    stamps: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -448,3 +461,12 @@ class Tasks:
 
     time: float
     tasks: tuple[TaskState, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """Which buckets the fleet has bound for which stations now, in the order of their binding; -1 for no bucket."""
+
+    time: float
+    buckets: tuple[int, ...]
+    stations: tuple[int, ...]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -39,7 +39,12 @@ class Policies(BaseModel):
     @field_validator("*", mode="before")
     @classmethod
     def _name_alone(cls, value: object) -> object:
-        return {"name": value} if isinstance(value, str) else value
+        return name_alone(value)
+
+
+def name_alone(value: object) -> object:
+    """A choice as a mapping, where a person wrote only the name of a policy."""
+    return {"name": value} if isinstance(value, str) else value
 
 
 def load_policies(path: str | Path | None, overrides: Mapping[str, str | None] | None = None) -> Policies:
@@ -55,15 +60,15 @@ def load_policies(path: str | Path | None, overrides: Mapping[str, str | None] |
     data: dict[str, Any] = {} if path is None else read_mapping(Path(path))
     base = Path(path).resolve().parent if path is not None else Path.cwd()
     policies = validate(Policies, data, path or "policies")
-    chosen = {role: _anchor(getattr(policies, role), base) for role in ROLES}
+    chosen = {role: anchor(getattr(policies, role), base) for role in ROLES}
     for role, name in (overrides or {}).items():
         if name is not None:
-            chosen[role] = _anchor(PolicyChoice(name=name), Path.cwd())
+            chosen[role] = anchor(PolicyChoice(name=name), Path.cwd())
     return Policies(**chosen)
 
 
-def _anchor(choice: PolicyChoice, base: Path) -> PolicyChoice:
-    """Make the file of a `file.py:Class` absolute, so that every process finds it."""
+def anchor(choice: PolicyChoice, base: Path) -> PolicyChoice:
+    """Make the file of a `file.py:Class`, relative to the folder `base`, absolute, so that every process finds it."""
     place, colon, name = choice.name.rpartition(":")
     if not colon or not place.endswith(".py"):
         return choice
@@ -71,9 +76,7 @@ def _anchor(choice: PolicyChoice, base: Path) -> PolicyChoice:
 
 
 def load_policy(choice: PolicyChoice, role: str, known: Mapping[str, type], base_class: type) -> Any:
-    """Make the policy of a choice.
-
-    Code is loaded only from the file or module that the choice names.
+    """Make the policy of a choice; see `policy_maker`.
 
     Args:
         choice: What was chosen.
@@ -81,13 +84,26 @@ def load_policy(choice: PolicyChoice, role: str, known: Mapping[str, type], base
         known: The policies that come with the warehouse, by name.
         base_class: The class that a policy of this role extends.
 
-    Returns:
-        A new policy, made with the options as keyword arguments.
-
     Raises:
         InputError: There is no such policy, it is of the wrong kind, or its options do not fit.
     """
-    source = f"{role} policy"
+    return policy_maker(choice, f"{role} policy", known, base_class)()
+
+
+def policy_maker(choice: PolicyChoice, source: str, known: Mapping[str, type], base_class: type) -> Callable[[], Any]:
+    """What makes policies of a choice, each with the options as keyword arguments.
+
+    Code is loaded only from the file or module that the choice names.
+
+    Args:
+        choice: What was chosen.
+        source: For messages: where it was chosen.
+        known: The policies that come with the warehouse, by name.
+        base_class: The class that such a policy extends.
+
+    Raises:
+        InputError: There is no such policy, or it is of the wrong kind; from what makes it: its options do not fit.
+    """
     names = f"{', '.join(sorted(known))}, FILE.py:Class or module:Class"
     place, colon, class_name = choice.name.rpartition(":")
     if not colon:
@@ -100,10 +116,15 @@ def load_policy(choice: PolicyChoice, role: str, known: Mapping[str, type], base
             raise InputError(source, place, f"no {class_name!r}", "the name of a class in it")
     if not (isinstance(policy_class, type) and issubclass(policy_class, base_class)):
         raise InputError(source, choice.name, "another thing", f"a class that extends {base_class.__name__}")
-    try:
-        return policy_class(**choice.options)
-    except (TypeError, ValueError) as error:
-        raise InputError(source, f"{choice.name}.options", str(error), "the options of its constructor") from error
+
+    def make() -> Any:
+        try:
+            return policy_class(**choice.options)
+        except (TypeError, ValueError) as error:
+            allowed = "the options of its constructor"
+            raise InputError(source, f"{choice.name}.options", str(error), allowed) from error
+
+    return make
 
 
 def _load_module(place: str, source: str) -> Any:

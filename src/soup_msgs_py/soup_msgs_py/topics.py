@@ -29,11 +29,13 @@ SET_SPEED = "/world/set_speed"
 CHECKPOINT = "/world/checkpoint"
 ASSIGN_WORD = "/world/assign_word"
 ASSIGN_BUNDLE = "/world/assign_bundle"
+SET_STORAGE_SPOT = "/world/set_storage_spot"
 
 # The fleet
 DELIVER_LETTERS = "/fleet/deliver_letters"
 STORE_BUNDLE = "/fleet/store_bundle"
 TASKS = "/fleet/tasks"
+BOUND = "/fleet/bound"
 
 FRAME = "map"
 

@@ -137,3 +137,20 @@ class Common:
         if operation is not None:
             return Code.BUSY, f"bot {bot} is {operation.name.lower()}; wait for that to end"
         return None
+
+    def stands_ready(self, bot: int) -> tuple[Code, str] | None:
+        """Why a bot can't begin what it has to stand for, or None."""
+        problem = self.hindrance(bot)
+        if problem is None and self.bodies.moving[bot]:
+            return Code.MOVING, f"bot {bot} is moving; stop it first"
+        return problem
+
+    def begin(self, bot: int, operation: BotState) -> None:
+        """A bot begins something that takes time."""
+        self.operation[bot] = operation
+        self.note_state(bot)
+
+    def end(self, bot: int) -> None:
+        """It has done it."""
+        self.operation[bot] = None
+        self.note_state(bot)

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
+from soup_msgs_py.demand import BundleFile, OrderFile, PoissonBundles, PoissonOrders
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.scenario import BundleFile, OrderFile, Scenario
+from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.tiles import parse_tile
 
 HOUR_S = 3600.0
@@ -71,6 +73,49 @@ class TimedBundle:
 
     time: float
     tile: int
+
+
+Timed = TypeVar("Timed", TimedWord, TimedBundle)
+
+
+class Arrivals(Generic[Timed]):
+    """When words or bundles arrive by themselves, and which ones where a file says so.
+
+    Args:
+        plan: The orders or bundles of a scenario.
+        timed: The lines of its file, if it has one.
+        rng: Where randomness comes from.
+    """
+
+    def __init__(self, plan: object, timed: Sequence[Timed], rng: np.random.Generator) -> None:
+        self._timed = timed
+        self._told = 0
+        self._coming: Timed | None = None
+        self._random: PoissonArrivals | None = None
+        if isinstance(plan, (PoissonOrders, PoissonBundles)):
+            self._random = PoissonArrivals(plan.per_hour, plan.daily_profile, rng)
+
+    def next_time(self, now: float) -> float:
+        """When the next one arrives by itself; infinity for never. Asked once after each arrival."""
+        if self._random is not None:
+            return self._random.after(now)
+        self._coming = self._timed[self._told] if self._told < len(self._timed) else None
+        self._told += 1
+        return self._coming.time if self._coming is not None else float("inf")
+
+    def take(self) -> Timed | None:
+        """The line of the file that arrives now; None for one that has to be drawn."""
+        coming, self._coming = self._coming, None
+        return coming
+
+    def capture(self) -> dict[str, Any]:
+        """Everything that changes, for a checkpoint."""
+        return {"told": self._told, "is_coming": self._coming is not None}
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """The opposite of `capture`."""
+        self._told = state["told"]
+        self._coming = self._timed[self._told - 1] if state["is_coming"] else None
 
 
 def read_timed_words(scenario: Scenario, source: object) -> tuple[TimedWord, ...]:

@@ -13,13 +13,19 @@ from soup_msgs_py.errors import InputError
 from soup_msgs_py.scenario import Scenario
 from soup_sim.world import World
 
-_FORMAT = "alphabet-soup checkpoint 1"
+_FORMAT = "alphabet-soup checkpoint 2"
 
 
 def fingerprint(scenario: Scenario) -> str:
-    """What tells one scenario from another: a checkpoint fits only the scenario that it was taken from."""
-    values = scenario.model_dump_json(exclude={"words": True, "orders": {"path"}, "bundles": {"path"}})
-    return hashlib.sha256(values.encode()).hexdigest()
+    """What tells one scenario from another: a checkpoint fits only the scenario that it was taken from.
+
+    Its files may have been moved to another folder.
+    """
+    values = scenario.model_dump(mode="json", exclude={"words": True, "orders": {"path"}, "bundles": {"path"}})
+    for station in ("word_station", "letter_station"):
+        policy = values[station]["policy"]
+        policy["name"] = Path(policy["name"]).name
+    return hashlib.sha256(json.dumps(values).encode()).hexdigest()
 
 
 def write_checkpoint(path: str | Path, world: World) -> None:

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from soup_msgs_py.demand import AllOrders, Backlog, PoissonBundles, PoissonOrders
 from soup_msgs_py.messages import Bundle, Floats, Word
-from soup_msgs_py.scenario import AllOrders, Backlog, PoissonBundles, PoissonOrders, Scenario
+from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.tiles import LETTERS, tile_kind, tile_letter
 from soup_msgs_py.words import WordList
-from soup_sim.arrivals import PoissonArrivals, TimedBundle, TimedWord
+from soup_sim.arrivals import Arrivals, TimedBundle, TimedWord
 
 
 class Drawing:
@@ -39,6 +40,9 @@ class Orders:
         words: The word list; each order is drawn uniformly from it.
         timed: The orders of a file.
         rng: Where randomness comes from.
+
+    Attributes:
+        mean_length: Mean number of letters of the words that can be ordered.
     """
 
     def __init__(
@@ -49,12 +53,10 @@ class Orders:
         self._rng = rng
         self._colours = Drawing(np.array(scenario.colours.shares), rng)
         self._next = 0
-        self._timed = timed
-        self._told = 0
-        self._coming: TimedWord | None = None
-        self._arrivals: PoissonArrivals | None = None
-        if isinstance(self._plan, PoissonOrders):
-            self._arrivals = PoissonArrivals(self._plan.per_hour, self._plan.daily_profile, rng)
+        self._arrivals = Arrivals(self._plan, timed, rng)
+        self.mean_length = words.mean_length
+        if timed:
+            self.mean_length = sum(len(word.letters or word.tiles) for word in timed) / len(timed)
 
     def at_start(self) -> list[Word]:
         """The words on order at the start."""
@@ -73,15 +75,11 @@ class Orders:
 
     def next_time(self, now: float) -> float:
         """When the next word arrives by itself; infinity for never. Asked once after each arrival."""
-        if self._arrivals is not None:
-            return self._arrivals.after(now)
-        self._coming = self._timed[self._told] if self._told < len(self._timed) else None
-        self._told += 1
-        return self._coming.time if self._coming is not None else float("inf")
+        return self._arrivals.next_time(now)
 
     def draw(self) -> Word:
         """The word that arrives now."""
-        coming, self._coming = self._coming, None
+        coming = self._arrivals.take()
         if coming is not None and coming.tiles:
             return self._number("".join(map(tile_letter, coming.tiles)), coming.tiles)
         text = coming.letters if coming is not None else self._words[int(self._rng.integers(len(self._words)))]
@@ -112,12 +110,7 @@ class Supply:
         self._kinds = Drawing(profile, rng)
         self._rng = rng
         self._next = 0
-        self._timed = timed
-        self._told = 0
-        self._coming: TimedBundle | None = None
-        self._arrivals: PoissonArrivals | None = None
-        if isinstance(self._plan, PoissonBundles):
-            self._arrivals = PoissonArrivals(self._plan.per_hour, self._plan.daily_profile, rng)
+        self._arrivals = Arrivals(self._plan, timed, rng)
 
     def at_start(self) -> list[Bundle]:
         """The bundles that wait at the start."""
@@ -126,11 +119,7 @@ class Supply:
 
     def next_time(self, now: float) -> float:
         """When the next bundle arrives by itself; infinity for never. Asked once after each arrival."""
-        if self._arrivals is not None:
-            return self._arrivals.after(now)
-        self._coming = self._timed[self._told] if self._told < len(self._timed) else None
-        self._told += 1
-        return self._coming.time if self._coming is not None else float("inf")
+        return self._arrivals.next_time(now)
 
     @property
     def is_chosen(self) -> bool:
@@ -139,7 +128,7 @@ class Supply:
 
     def draw(self) -> Bundle:
         """The bundle that arrives now."""
-        coming, self._coming = self._coming, None
+        coming = self._arrivals.take()
         return self.order(coming.tile if coming is not None else self._kinds.draw(1)[0])
 
     def order(self, tile: int) -> Bundle:
@@ -160,15 +149,14 @@ class Supply:
 def _capture(source: Orders | Supply) -> dict[str, Any]:
     return {
         "next": source._next,
-        "told": source._told,
-        "is_coming": source._coming is not None,
+        "arrivals": source._arrivals.capture(),
         "rng": source._rng.bit_generator.state,
     }
 
 
 def _restore(source: Orders | Supply, state: dict[str, Any]) -> None:
-    source._next, source._told = state["next"], state["told"]
-    source._coming = source._timed[source._told - 1] if state["is_coming"] else None
+    source._next = state["next"]
+    source._arrivals.restore(state["arrivals"])
     source._rng.bit_generator.state = state["rng"]
 
 

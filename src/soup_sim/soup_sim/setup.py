@@ -11,6 +11,7 @@ from soup_msgs_py.words import WordList
 from soup_msgs_py.yaml_input import Overrides
 from soup_sim.arrivals import TimedBundle, TimedWord, read_timed_bundles, read_timed_words
 from soup_sim.layouts import make_layout
+from soup_sim.station_policies import station_policies
 from soup_sim.world import World
 
 
@@ -24,9 +25,11 @@ class Warehouse:
     timed_words: tuple[TimedWord, ...]
     timed_bundles: tuple[TimedBundle, ...]
 
-    def world(self, seed: int, warmup_s: float = 0.0) -> World:
+    def world(self, seed: int, warmup_s: float = 0.0, run: int = 0) -> World:
         """A new world; rates and counts cover what comes after the warm-up (simulated s)."""
-        return World(self.scenario, self.layout, self.words, seed, warmup_s, self.timed_words, self.timed_bundles)
+        return World(
+            self.scenario, self.layout, self.words, seed, warmup_s, self.timed_words, self.timed_bundles, run
+        )  # fmt: skip
 
 
 def load_warehouse(path: str | Path, overrides: Overrides = ()) -> Warehouse:
@@ -37,9 +40,11 @@ def load_warehouse(path: str | Path, overrides: Overrides = ()) -> Warehouse:
         overrides: `KEY=VALUE` texts that replace single values.
 
     Raises:
-        InputError: Anything is wrong.
+        InputError: Anything is wrong, the names and options of station policies included.
     """
     scenario = load_scenario(path, overrides)
+    for make_policy in station_policies(scenario, path):
+        make_policy()
     return Warehouse(
         scenario,
         make_layout(scenario, path),

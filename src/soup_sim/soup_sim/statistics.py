@@ -37,7 +37,6 @@ class Statistics:
         self._inventory = inventory
         self._state = [BotState.FREE] * scenario.bots
         self._idle_since = [0.0] * scenario.bots
-        self._last_visit = [-1] * scenario.bots
         self._busy_since: dict[int, float] = {}
         self._begin(0.0, np.zeros(scenario.bots))
 
@@ -47,6 +46,7 @@ class Statistics:
         self.words_completed = self.letters_in_words = self.letters_dispensed = 0
         self.grabs = self.releases = self.bot_collisions = self.bucket_collisions = 0
         self._word_transfers = self._letter_transfers = self._word_visits = self._letter_visits = 0
+        self._last_visit = [-1] * len(self._state)
         self._idle = 0.0
         self._idle_since = [now] * len(self._state)
         self._busy = [0.0, 0.0]

@@ -19,7 +19,7 @@ KEYS = (
     "releases", "bot_collisions", "bucket_collisions", "bot_idle_fraction", "bucket_fill_mean", "pile_on_word",
     "pile_on_letter", "word_station_idle_fraction", "letter_station_idle_fraction", "inventory_fill_start",
     "inventory_fill_end", "bots", "buckets", "word_stations", "letter_stations", "scenario", "policies", "seed",
-    "violations",
+    "violations", "station_policies",
 )  # fmt: skip
 
 
@@ -45,6 +45,10 @@ def make_summary(
         "policies": {role: getattr(policies, role).name for role in ROLES},
         "seed": seed,
         "violations": violations,
+        "station_policies": {
+            "word_station": scenario.word_station.policy.name,
+            "letter_station": scenario.letter_station.policy.name,
+        },
     }
     return {key: _plain(values[key]) for key in KEYS}
 

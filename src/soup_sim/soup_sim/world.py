@@ -23,8 +23,9 @@ from soup_sim.agenda import Agenda, Common, Said
 from soup_sim.arrivals import TimedBundle, TimedWord
 from soup_sim.bodies import Bodies
 from soup_sim.driving import Driving
-from soup_sim.handling import Handling
+from soup_sim.lifting import Lifting
 from soup_sim.orders import Orders, Supply, initial_contents, tile_profile
+from soup_sim.serving import Serving
 from soup_sim.stations import OpenWord, StagedBundle
 from soup_sim.statistics import Statistics
 
@@ -42,6 +43,7 @@ class World:
         warmup_s: Rates and counts cover what comes after this simulated time.
         timed_words: The orders of a scenario that has them in a file.
         timed_bundles: The bundles of a scenario that has them in a file.
+        run: What tells this run from others, where somebody may follow several one after another.
     """
 
     def __init__(
@@ -53,10 +55,11 @@ class World:
         warmup_s: float = 0.0,
         timed_words: tuple[TimedWord, ...] = (),
         timed_bundles: tuple[TimedBundle, ...] = (),
+        run: int = 0,
     ) -> None:
-        self.scenario, self.layout = scenario, layout
-        order_rng, fill_rng, place_rng, supply_rng = (
-            np.random.Generator(np.random.PCG64(child)) for child in np.random.SeedSequence(seed).spawn(4)
+        self.scenario, self.layout, self.run = scenario, layout, run
+        order_rng, fill_rng, place_rng, supply_rng, station_rng = (
+            np.random.Generator(np.random.PCG64(child)) for child in np.random.SeedSequence(seed).spawn(5)
         )
         self.tile_profile = tile_profile(words, scenario.colours.shares)
         contents = initial_contents(
@@ -66,19 +69,19 @@ class World:
         free = np.setdiff1d(np.arange(len(layout.waypoints)), layout.stations)
         starts = free[place_rng.permutation(len(free))[: scenario.bots]]
 
+        self._orders = Orders(scenario, words, timed_words, order_rng)
+        self._supply = Supply(scenario, self.tile_profile, timed_bundles, supply_rng)
         self._agenda = Agenda()
         inventory = sum(sum(content.values()) for content in contents)
-        self._statistics = Statistics(scenario, words.mean_length, inventory)
+        self._statistics = Statistics(scenario, self._orders.mean_length, inventory)
         self._bodies = Bodies(scenario, layout, layout.waypoints[starts], layout.waypoints[layout.storage_spots[spots]])
         self._common = Common(self._agenda, self._bodies, self._statistics)
         self._driving = Driving(self._common, scenario.bot.collision_penalty_s)
-        self._handling = Handling(self._common, scenario, layout, contents)
-        for bucket, spot in enumerate(spots.tolist()):
-            self._handling.spot_bucket[spot] = bucket
-            self._handling.bucket_spot[bucket] = spot
+        self._lifting = Lifting(self._common, scenario, layout)
+        self._serving = Serving(self._common, scenario, layout, contents, station_rng)
+        for bucket, spot in enumerate(layout.storage_spots[spots].tolist()):
+            self._lifting.storage.rest(bucket, spot)
 
-        self._orders = Orders(scenario, words, timed_words, order_rng)
-        self._supply = Supply(scenario, self.tile_profile, timed_bundles, supply_rng)
         self._waiting_words: OrderedDict[int, m.Word] = OrderedDict()
         self._waiting_bundles: OrderedDict[int, m.Bundle] = OrderedDict()
         self._agenda.can(
@@ -96,11 +99,12 @@ class World:
             m.SetVelocity: self._driving.set_velocity,
             m.SetVelocities: self._driving.set_velocities,
             m.FollowPath: self._driving.follow_path,
-            m.Grab: self._handling.grab,
-            m.Release: self._handling.release,
-            m.Transfer: self._handling.transfer,
+            m.Grab: self._lifting.grab,
+            m.Release: self._lifting.release,
+            m.Transfer: self._serving.transfer,
             m.AssignWord: self._assign_word,
             m.AssignBundle: self._assign_bundle,
+            m.SetStorageSpot: self._lifting.set_storage_spot,
         }
 
     # ---- time -----------------------------------------------------------------------------------------------
@@ -154,7 +158,7 @@ class World:
         if not self.layout.is_word_station(request.station):
             self._refuse(Code.UNKNOWN, f"station {request.station} is not a word station")
             return
-        station = self._handling.words[request.station]
+        station = self._serving.words[request.station]
         if not station.has_place():
             self._refuse(Code.STATION_FULL, f"word station {request.station} has {station.places} open words already")
             return
@@ -194,7 +198,7 @@ class World:
         if not self.layout.is_letter_station(request.station):
             self._refuse(Code.UNKNOWN, f"station {request.station} is not a letter station")
             return
-        station = self._handling.letters[request.station - self.scenario.word_station_count]
+        station = self._serving.letters[request.station - self.scenario.word_station_count]
         if not station.has_place():
             text = f"letter station {request.station} has {station.places} staged bundles already"
             self._refuse(Code.STATION_FULL, text)
@@ -237,14 +241,14 @@ class World:
     def buckets(self) -> m.Buckets:
         """All buckets now."""
         x, y = self._bodies.bucket_places(self.now).T
-        return m.Buckets(self.now, x, y, self._bodies.carrier.copy(), self._handling.tiles.copy())
+        return m.Buckets(self.now, x, y, self._bodies.carrier.copy(), self._serving.tiles.copy())
 
     def stations(self) -> m.Stations:
         """All stations now."""
         return m.Stations(
             self.now,
-            tuple(station.state() for station in self._handling.words),
-            tuple(station.state() for station in self._handling.letters),
+            tuple(station.state() for station in self._serving.words),
+            tuple(station.state() for station in self._serving.letters),
         )
 
     def snapshot(self) -> m.Snapshot:
@@ -255,12 +259,14 @@ class World:
             sequence=self._agenda.sequence,
             bots=self.bots(),
             buckets=self.buckets(),
-            contents=tuple(dict(sorted(content.items())) for content in self._handling.contents),
+            contents=tuple(dict(sorted(content.items())) for content in self._serving.contents),
             word_stations=stations.word_stations,
             letter_stations=stations.letter_stations,
             waiting_words=tuple(self._waiting_words.values()),
             waiting_bundles=tuple(self._waiting_bundles.values()),
-            words_completed=self._handling.words_completed,
+            words_completed=self._serving.words_completed,
+            storage_spots=tuple(sorted(self._lifting.storage.bucket_on)),
+            run=self.run,
         )
 
     # ---- figures --------------------------------------------------------------------------------------------
@@ -285,7 +291,8 @@ class World:
             "bodies": self._bodies.capture(),
             "statistics": self._statistics.capture(),
             "driving": self._driving.capture(),
-            "handling": self._handling.capture(),
+            "lifting": self._lifting.capture(),
+            "serving": self._serving.capture(),
             "orders": self._orders.capture(),
             "supply": self._supply.capture(),
             "penalised_until": self._common.penalised_until,
@@ -296,7 +303,7 @@ class World:
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go back (or on) to the moment at which `capture` was called."""
-        for name in ("agenda", "bodies", "statistics", "driving", "handling", "orders", "supply"):
+        for name in ("agenda", "bodies", "statistics", "driving", "lifting", "serving", "orders", "supply"):
             getattr(self, f"_{name}").restore(state[name])
         self._common.penalised_until = list(state["penalised_until"])
         self._common.operation = [None if value is None else BotState(value) for value in state["operation"]]

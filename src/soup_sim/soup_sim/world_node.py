@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 import sys
 import time
 from collections.abc import Sequence
@@ -36,6 +37,7 @@ from soup_msgs_py.wire import (
     from_path,
     from_ros,
     from_twist,
+    storage_spot_response,
     to_ros,
     to_stamp,
     to_statistics,
@@ -56,6 +58,7 @@ SNAPSHOT_S = 1.0
 STATIONS_S = 0.2
 STATISTICS_S = 1.0
 LONGEST_STEP_S = 3600.0
+RUN_BITS = 62  # of the number of a run; 0 is for worlds that nobody follows over a network
 FAREWELL = Duration(seconds=0.3)  # for everybody to get the last messages
 CHECKPOINT_SUFFIX = ".checkpoint"  # so that nobody on the network can have another file overwritten
 
@@ -97,7 +100,7 @@ class WorldNode:
         self._report.works()
         self._listen(node)
         profile = tuple(map(float, world.tile_profile))
-        self._scenario.publish(to_ros(Announcement(world.now, world.scenario, world.layout, profile)))
+        self._scenario.publish(to_ros(Announcement(world.now, world.scenario, world.layout, profile, world.run)))
         self._poses_s = world.scenario.bot.radius_m / world.scenario.bot.max_speed_mps
         self._poses_due = 0.0
         live.every(TICK_S, self._tick)
@@ -115,6 +118,7 @@ class WorldNode:
         live.subscribe(node, msg.BotRequest, topics.REQUESTS, lambda m: self._ask(from_bot_request(m, bots)), EVERY_ONE)
         serve(live, node, srv.AssignWord, topics.ASSIGN_WORD, self._on_assign_word)
         serve(live, node, srv.AssignBundle, topics.ASSIGN_BUNDLE, self._on_assign_bundle)
+        serve(live, node, srv.SetStorageSpot, topics.SET_STORAGE_SPOT, self._on_set_storage_spot)
         serve(live, node, SetBool, topics.PAUSE, self._on_pause)
         serve(live, node, srv.Step, topics.STEP, self._on_step)
         serve(live, node, srv.SetSpeed, topics.SET_SPEED, self._on_set_speed)
@@ -190,6 +194,11 @@ class WorldNode:
         reply = self._ask(from_ros(request))
         assert reply is not None
         answer.give(assign_bundle_response(reply))
+
+    def _on_set_storage_spot(self, request: srv.SetStorageSpot.Request, answer: Answer) -> None:
+        reply = self._ask(from_ros(request))
+        assert reply is not None
+        answer.give(storage_spot_response(reply))
 
     def _on_pause(self, request: SetBool.Request, answer: Answer) -> None:
         self._advance()
@@ -278,7 +287,7 @@ def run_world(options: Any) -> None:
                 return
             console = Console()
             console.print(warehouse.words.describe(), style="dim", highlight=False)
-            world = warehouse.world(options.seed, options.warmup)
+            world = warehouse.world(options.seed, options.warmup, run=secrets.randbits(RUN_BITS))
             pacer = Pacer(options.speed, options.duration or float("inf"), paused=options.paused)
             record = RunRecord(world, options.seed, options.summary, options.event_log)
             try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,6 +41,9 @@ class Limits:
 class SteerView:
     """What is sensed at one instant. Do not change the arrays.
 
+    Where the scenario blinds bots (`bot.sensing`) there is one row, and the arrays hold what that bot is told: what
+    it does not see is far off the floor.
+
     Attributes:
         time: Simulated seconds.
         bot: The bots to steer, ascending, shape (rows,).
@@ -60,6 +64,8 @@ class SteerView:
         bucket_y: As above.
         bucket_bot: The bot that carries each bucket, -1 where it rests.
         limits: Sizes and limits.
+        heading: Directions of all bots (rad).
+        contents_of: What a bucket holds, as tile kind to count; None where bots are not told.
     """
 
     time: float
@@ -81,6 +87,12 @@ class SteerView:
     bucket_y: Floats
     bucket_bot: Ints
     limits: Limits
+    heading: Floats
+    contents_of: Callable[[int], Mapping[int, int]] | None
+
+    def contents(self, bucket: int) -> Mapping[int, int] | None:
+        """What a bucket holds; None where that is not told, and for no bucket (-1)."""
+        return self.contents_of(bucket) if self.contents_of is not None and bucket >= 0 else None
 
 
 @dataclass(slots=True, eq=False)
@@ -111,11 +123,15 @@ class Me:
     goal_y: float
     last: bool
     loaded: bool
+    heading: float
 
 
 @dataclass(frozen=True, slots=True)
 class Neighbour:
-    """A bot or a resting bucket (`bot` is -1) within the sensing radius."""
+    """A bot or a resting bucket (`bot` is -1) that a bot senses.
+
+    `contents` maps tile kind to count for the bucket that it is or carries; None: there is none, or it is not told.
+    """
 
     bot: int
     x: float
@@ -123,6 +139,8 @@ class Neighbour:
     vx: float
     vy: float
     loaded: bool
+    heading: float = 0.0
+    contents: Mapping[int, int] | None = None
 
 
 class Steering:
@@ -139,6 +157,7 @@ class Steering:
                 return 0.0, 0.0  # stand while anything is near
     """
 
+    senses = True  # False: bots follow their paths without looking around, and nothing here is ever asked
     rng: np.random.Generator  # set by the crew
 
     def steer_one(self, me: Me, neighbours: list[Neighbour], limits: Limits) -> tuple[float, float] | None:
@@ -167,6 +186,7 @@ class Steering:
                 float(view.goal_y[row]),
                 bool(view.last[row]),
                 bool(view.bucket[bot] >= 0),
+                float(view.heading[bot]),
             )
             near = (view.x - x) ** 2 + (view.y - y) ** 2 <= reach * reach
             near[bot] = False
@@ -178,12 +198,14 @@ class Steering:
                     float(view.vx[other]),
                     float(view.vy[other]),
                     bool(view.bucket[other] >= 0),
+                    float(view.heading[other]),
+                    view.contents(int(view.bucket[other])),
                 )
                 for other in np.flatnonzero(near).tolist()
             ]
             near = ((view.bucket_x - x) ** 2 + (view.bucket_y - y) ** 2 <= reach * reach) & (view.bucket_bot < 0)
             neighbours += [
-                Neighbour(-1, float(view.bucket_x[b]), float(view.bucket_y[b]), 0.0, 0.0, False)
+                Neighbour(-1, float(view.bucket_x[b]), float(view.bucket_y[b]), 0.0, 0.0, False, 0.0, view.contents(b))
                 for b in np.flatnonzero(near).tolist()
             ]
             velocity = self.steer_one(me, neighbours, view.limits)

@@ -44,7 +44,7 @@ STEP_ASIDE = 6  # calls
 FREE, MOVING = int(BotState.FREE), int(BotState.MOVING)
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def note_bots(
     i, start, member, columns, lines, reach_m, all_of_them, x, y, vx, vy, bucket, state, touch_empty, touch_loaded,
     margin, max_v, max_a, period, look, give_way, calls, command, travels, decided, planned, near, who, horizon, evades,
@@ -102,7 +102,7 @@ def note_bots(
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def note_buckets(
     px, py, start, member, columns, lines, reach_m, bucket_x, bucket_y, touch, margin, count, near, who, horizon
 ):  # fmt: skip

@@ -7,11 +7,15 @@ from collections.abc import Iterable
 
 from soup_managers.bitset import first, members
 from soup_managers.fleet_state import FleetState
-from soup_managers.plans import PlannedVisit, TripPlan
+from soup_managers.plans import Letter, PlannedVisit, TripPlan
 from soup_msgs_py.messages import STORE
 
 
-class FleetPolicy(ABC):
+class AnyFleet:
+    """What every fleet policy is: one that plans whole trips (`FleetPolicy`), or `Coordinated`."""
+
+
+class FleetPolicy(AnyFleet, ABC):
     """Decides what the bots do. Extend it and implement `plan`; nothing else is needed.
 
     A policy gets its options from the policies file as keyword arguments of its constructor.
@@ -31,24 +35,36 @@ class FleetPolicy(ABC):
 
 
 class Minimal(FleetPolicy):
-    """The paper's minimal coordination: tasks first in, first out, one letter a trip.
+    """The paper's minimal coordination ("Simulation Parameters and Metrics"), taken at its word.
 
-    The first bucket that will do is fetched by the first idle bot and goes back to where it came from. Where
-    an idle bot stands under the bucket, that one takes it, because no other gets there.
+    It "simply assigns tasks first in, first out": a task is a word to build or a bundle to store, and the oldest
+    that waits comes first. "Each task only involves one letter at a time": for each task at most one bot is under
+    way. It "requires buckets to be returned to storage between every task": a trip moves one letter and takes the
+    bucket back to where it came from, and only then may the next letter of its task be fetched.
+
+    Nothing is near or far: the first bucket that will do is fetched by the first idle bot. Where an idle bot stands
+    under the bucket, that one takes it, because no other gets there.
     """
 
     def plan(self, fleet: FleetState) -> Iterable[TripPlan]:
-        """One trip for each waiting letter, as long as bots are idle."""
+        """One trip for each task that waits, as long as bots are idle."""
         for letter in fleet.letters():
             if not fleet.free_bots:
                 return
-            storing = letter.key[0] == STORE
-            able = fleet.view.with_room if storing else fleet.view.holders(letter.tile)
-            for bucket in members(able & fleet.free_buckets):
-                under = fleet.bot_under(bucket)
-                bot = first(fleet.free_bots) if under < 0 else under
-                if fleet.free_bots >> bot & 1:
-                    yield TripPlan(bot, bucket, (PlannedVisit(letter.station, (letter,)),), fleet.view.spot_of[bucket])
-                    break
-            else:
+            if fleet.is_served(letter.key):
+                fleet.hold(letter)
+                continue
+            trip = self._trip(letter, fleet)
+            if trip is None:
                 fleet.defer(letter)
+            else:
+                yield trip
+
+    def _trip(self, letter: Letter, fleet: FleetState) -> TripPlan | None:
+        able = fleet.view.with_room if letter.key[0] == STORE else fleet.view.holders(letter.tile)
+        for bucket in members(able & fleet.free_buckets):
+            under = fleet.bot_under(bucket)
+            bot = first(fleet.free_bots) if under < 0 else under
+            if fleet.free_bots >> bot & 1:
+                return TripPlan(bot, bucket, (PlannedVisit(letter.station, (letter,)),), fleet.view.spot_of[bucket])
+        return None

@@ -44,3 +44,46 @@ class Minimal(WordPolicy):
         """First word, emptiest station; of equals the first."""
         station = max(stations, key=view.free_places.__getitem__)
         return AssignWord(next(iter(view.waiting_words)), station)
+
+
+class Served(WordPolicy):
+    """The word that the buckets at a station, or bound for it, serve best with what its open words leave over.
+
+    The station with the fewest open words gets it. Of equals the oldest word is taken.
+    """
+
+    def choose(self, view: WarehouseView, stations: Sequence[int], rng: np.random.Generator) -> AssignWord | None:
+        """Largest share of letters that are there or come anyway."""
+        station = max(stations, key=view.free_places.__getitem__)
+        spare = _spare(view, station)
+        best, best_share = -1, -1.0
+        for number, word in view.waiting_words.items():
+            share = _served(word.tiles, spare) / len(word.tiles)
+            if share > best_share:
+                best, best_share = number, share
+        return AssignWord(best, station)
+
+
+def _spare(view: WarehouseView, station: int) -> dict[int, int]:
+    """Tiles in the buckets bound for a station beyond what its open words lack."""
+    spare: dict[int, int] = {}
+    for bucket in view.bound.get(station, ()):
+        for tile, count in view.contents[bucket].items():
+            spare[tile] = spare.get(tile, 0) + count
+    for word in view.open_words.values():
+        if word.station == station:
+            for tile in word.missing:
+                spare[tile] = spare.get(tile, 0) - 1
+    return spare
+
+
+def _served(tiles: tuple[int, ...], spare: dict[int, int]) -> int:
+    """How many letters of a word are among spare tiles."""
+    served = 0
+    used: dict[int, int] = {}
+    for tile in tiles:
+        taken = used.get(tile, 0)
+        if spare.get(tile, 0) > taken:
+            used[tile] = taken + 1
+            served += 1
+    return served

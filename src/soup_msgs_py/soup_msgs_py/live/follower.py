@@ -26,7 +26,7 @@ class Follower:
     """Carries what the world says to a mind, and what the mind says to `carry`.
 
     Until the part is ready (`missing` says what it still waits for) and in step with the events, the mind is
-    told nothing. A world that is started again is noticed by its new scenario: the mind is then made anew.
+    told nothing. A world that is started again is noticed by the number of its run: the mind is then made anew.
 
     Attributes:
         mind: The mind; None before the world has been heard of.
@@ -84,8 +84,8 @@ class Follower:
             self._carry(self.mind.handle(message, self.now))
 
     def _on_announcement(self, announcement: Announcement) -> None:
-        if self.announcement is not None:  # another world: what the old one said is over
-            self._snapshot = None
+        if self.announcement is not None and self.announcement.run == announcement.run:
+            return
         self.announcement = announcement
         self.now = announcement.time
         self._stream.restart()
@@ -123,7 +123,7 @@ class Follower:
             return
         if missing:
             self._report.waits(missing)
-        elif self._snapshot is None:
+        elif self._snapshot is None or self._snapshot.run != self.announcement.run:
             self._report.waits(f"waits for the world (nothing on {topics.SNAPSHOT} yet)")
         else:
             self._hear(self._stream.take_snapshot(self._snapshot))

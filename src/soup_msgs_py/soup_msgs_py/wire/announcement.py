@@ -25,12 +25,16 @@ from soup_msgs_py.wire.basics import (
 
 @dataclass(frozen=True, slots=True)
 class Announcement:
-    """What the world latches about its run: the scenario, the floor, the expected share of each tile kind."""
+    """What the world latches about its run: the scenario, the floor, the expected share of each tile kind.
+
+    `run` is drawn when a world starts, so that all others notice a new one.
+    """
 
     time: float
     scenario: Scenario
     layout: Layout
     tile_profile: tuple[float, ...]
+    run: int = 0
 
 
 @to_ros.register
@@ -74,6 +78,7 @@ def _(layout: msg.Layout) -> Layout:
 def _(announcement: Announcement) -> msg.Scenario:
     return msg.Scenario(
         header=header_at(announcement.time),
+        run=announcement.run,
         json=announcement.scenario.model_dump_json(),
         layout=to_ros(announcement.layout),
         tile_profile=announcement.tile_profile,
@@ -86,8 +91,13 @@ def _(announcement: msg.Scenario) -> Announcement:
         scenario = scenario_from_json(announcement.json)
     except ValidationError as error:
         raise MalformedMessage("a scenario of another version") from error
-    profile = tuple(unpack(announcement.tile_profile, np.float64).tolist())
-    return Announcement(from_stamp(announcement.header.stamp), scenario, from_ros(announcement.layout), profile)
+    return Announcement(
+        from_stamp(announcement.header.stamp),
+        scenario,
+        from_ros(announcement.layout),
+        tuple(unpack(announcement.tile_profile, np.float64).tolist()),
+        announcement.run,
+    )
 
 
 def to_statistics(time: float, figures: dict[str, Any]) -> msg.Statistics:

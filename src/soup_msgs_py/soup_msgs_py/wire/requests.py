@@ -18,6 +18,7 @@ from soup_msgs_py.messages import (
     Grab,
     Release,
     Reply,
+    SetStorageSpot,
     SetVelocity,
     TileMove,
     Transfer,
@@ -158,6 +159,16 @@ def _(request: srv.AssignBundle.Request) -> AssignBundle:
     return AssignBundle(request.station, request.bundle, request.tile)
 
 
+@to_ros.register
+def _(request: SetStorageSpot) -> srv.SetStorageSpot.Request:
+    return srv.SetStorageSpot.Request(waypoint=request.waypoint, storage=request.storage)
+
+
+@from_ros.register
+def _(request: srv.SetStorageSpot.Request) -> SetStorageSpot:
+    return SetStorageSpot(request.waypoint, request.storage)
+
+
 def assign_word_response(reply: Reply) -> srv.AssignWord.Response:
     """The world's answer to the word manager."""
     return fill_result(srv.AssignWord.Response(), reply.code, reply.message)
@@ -168,8 +179,18 @@ def assign_bundle_response(reply: Reply) -> srv.AssignBundle.Response:
     return fill_result(srv.AssignBundle.Response(bundle=reply.number), reply.code, reply.message)
 
 
+def storage_spot_response(reply: Reply) -> srv.SetStorageSpot.Response:
+    """The world's answer to who changes its storage spots."""
+    return fill_result(srv.SetStorageSpot.Response(), reply.code, reply.message)
+
+
 @from_ros.register
 def _(response: srv.AssignWord.Response) -> Reply:
+    return Reply(*read_result(response))
+
+
+@from_ros.register
+def _(response: srv.SetStorageSpot.Response) -> Reply:
     return Reply(*read_result(response))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from soup_msgs import msg
@@ -20,6 +21,7 @@ from soup_msgs_py.messages import (
     WordStationState,
 )
 from soup_msgs_py.wire.basics import (
+    TYPECODES,
     MalformedMessage,
     check_finite,
     from_ros,
@@ -33,6 +35,10 @@ from soup_msgs_py.wire.basics import (
     to_stamp,
     unpack,
 )
+
+# the arrays of a message and what their elements travel as
+_BOTS = {"x": "d", "y": "d", "heading": "f", "vx": "f", "vy": "f", "bucket": "i", "state": "B"}
+_BUCKETS = {"x": "f", "y": "f", "bot": "i", "tiles": "H"}
 
 
 @to_ros.register
@@ -53,6 +59,7 @@ def _(event: Event) -> msg.Event:
         buckets=event.buckets,
         tiles=event.tiles,
         text=event.text,
+        waypoint=event.waypoint,
     )
 
 
@@ -75,42 +82,47 @@ def _(event: msg.Event) -> Event:
         buckets=to_ints(event.buckets),
         tiles=to_ints(event.tiles),
         text=event.text,
+        waypoint=event.waypoint,
     )
 
 
 @to_ros.register
 def _(bots: Bots) -> msg.Bots:
-    message = msg.Bots(header=header_at(bots.time))
-    message.x, message.y = pack("d", bots.x), pack("d", bots.y)
-    message.heading = pack("f", bots.heading)
-    message.vx, message.vy = pack("f", bots.vx), pack("f", bots.vy)
-    message.bucket, message.state = pack("i", bots.bucket), pack("B", bots.state)
-    return message
+    return _pack_arrays(msg.Bots(header=header_at(bots.time)), bots, _BOTS)
 
 
 @from_ros.register
 def _(bots: msg.Bots) -> Bots:
-    x = unpack(bots.x, np.float64)
-    y, heading, vx, vy = (unpack(a, np.float64, len(x)) for a in (bots.y, bots.heading, bots.vx, bots.vy))
-    bucket, state = unpack(bots.bucket, np.int32, len(x)), unpack(bots.state, np.uint8, len(x))
+    arrays = _unpack_arrays(bots, _BOTS)
+    state = arrays["state"]
     if len(state) and state.max() > max(BotState):
         raise MalformedMessage(f"{state.max()} is no state of a bot")
-    return Bots(from_stamp(bots.header.stamp), x, y, heading, vx, vy, bucket, state)
+    return Bots(from_stamp(bots.header.stamp), **arrays)
 
 
 @to_ros.register
 def _(buckets: Buckets) -> msg.Buckets:
-    message = msg.Buckets(header=header_at(buckets.time))
-    message.x, message.y = pack("f", buckets.x), pack("f", buckets.y)
-    message.bot, message.tiles = pack("i", buckets.bot), pack("H", buckets.tiles)
-    return message
+    return _pack_arrays(msg.Buckets(header=header_at(buckets.time)), buckets, _BUCKETS)
 
 
 @from_ros.register
 def _(buckets: msg.Buckets) -> Buckets:
-    x = unpack(buckets.x, np.float64)
-    y, bot = unpack(buckets.y, np.float64, len(x)), unpack(buckets.bot, np.int32, len(x))
-    return Buckets(from_stamp(buckets.header.stamp), x, y, bot, unpack(buckets.tiles, np.uint16, len(x)))
+    return Buckets(from_stamp(buckets.header.stamp), **_unpack_arrays(buckets, _BUCKETS))
+
+
+def _pack_arrays(message: Any, values: Bots | Buckets, typecodes: dict[str, str]) -> Any:
+    for name, typecode in typecodes.items():
+        setattr(message, name, pack(typecode, getattr(values, name)))
+    return message
+
+
+def _unpack_arrays(message: Any, typecodes: dict[str, str]) -> dict[str, Any]:
+    """The arrays of a message, all as long as the first one; whatever a number travels as, it is a float64 here."""
+    size = len(getattr(message, next(iter(typecodes))))
+    return {
+        name: unpack(getattr(message, name), np.float64 if typecode in "df" else TYPECODES[typecode], size)
+        for name, typecode in typecodes.items()
+    }
 
 
 @to_ros.register
@@ -201,7 +213,9 @@ def _(snapshot: Snapshot) -> msg.Snapshot:
         waiting_words=[to_ros(word) for word in snapshot.waiting_words],
         waiting_bundles=[to_ros(bundle) for bundle in snapshot.waiting_bundles],
         words_completed=snapshot.words_completed,
+        run=snapshot.run,
     )
+    message.storage_spots = pack("i", snapshot.storage_spots)
     message.content_start = pack("i", np.concatenate([[0], np.cumsum(sizes)]))
     message.content_tile = pack("i", [tile for content in snapshot.contents for tile in content])
     message.content_count = pack("H", [count for content in snapshot.contents for count in content.values()])
@@ -221,6 +235,8 @@ def _(snapshot: msg.Snapshot) -> Snapshot:
         waiting_words=tuple(map(from_ros, not_absurd(snapshot.waiting_words))),
         waiting_bundles=tuple(map(from_ros, not_absurd(snapshot.waiting_bundles))),
         words_completed=snapshot.words_completed,
+        storage_spots=to_ints(snapshot.storage_spots),
+        run=snapshot.run,
     )
 
 

@@ -11,6 +11,7 @@ from soup_msgs_py.messages import (
     DELIVER,
     STORE,
     BotStatus,
+    Bound,
     DeliverGoal,
     DriveGoal,
     StoreGoal,
@@ -24,6 +25,7 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.wire.basics import (
     MalformedMessage,
+    check_finite,
     from_moves,
     from_points,
     from_ros,
@@ -73,12 +75,16 @@ def trip_goal(goal: action.CarryTrip.Goal, bot: int) -> TripGoal:
 
 @to_ros.register
 def _(goal: DriveGoal) -> action.Drive.Goal:
-    return action.Drive.Goal(points=to_points(goal.points))
+    return action.Drive.Goal(points=to_points(goal.points), stamps=list(goal.stamps))
 
 
 def drive_goal(goal: action.Drive.Goal, bot: int, drive: int) -> DriveGoal:
     """A drive that was asked of a bot, under the number that its shell gives it."""
-    return DriveGoal(bot, drive, from_points(goal.points))
+    points, stamps = from_points(goal.points), tuple(not_absurd(goal.stamps))
+    check_finite(*stamps)
+    if len(stamps) not in (0, len(points)):
+        raise MalformedMessage(f"{len(stamps)} stamps for {len(points)} points")
+    return DriveGoal(bot, drive, points, stamps)
 
 
 @to_ros.register
@@ -185,3 +191,16 @@ def _(tasks: msg.Tasks) -> Tasks:
             )
         )
     return Tasks(from_stamp(tasks.header.stamp), tuple(lines))
+
+
+@to_ros.register
+def _(bound: Bound) -> msg.Bound:
+    return msg.Bound(header=header_at(bound.time), buckets=list(bound.buckets), stations=list(bound.stations))
+
+
+@from_ros.register
+def _(bound: msg.Bound) -> Bound:
+    buckets, stations = to_ints(bound.buckets), to_ints(bound.stations)
+    if len(buckets) != len(stations):
+        raise MalformedMessage(f"{len(buckets)} buckets bound for {len(stations)} stations")
+    return Bound(from_stamp(bound.header.stamp), buckets, stations)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from soup_msgs_py.floor_plan import DenseLayout, HexagonalLayout, MapLayout
 from soup_msgs_py.layout import Layout
-from soup_msgs_py.scenario import DenseLayout, HexagonalLayout, MapLayout, Scenario
+from soup_msgs_py.scenario import Scenario
 from soup_sim.layouts.aisles import dense, hexagonal, rows
 from soup_sim.layouts.checks import check_counts, check_pitch, check_reachable
 from soup_sim.layouts.draft import Draft, body_m

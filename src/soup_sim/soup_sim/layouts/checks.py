@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.scenario import MapLayout, Scenario
+from soup_msgs_py.floor_plan import MapLayout
+from soup_msgs_py.scenario import Scenario
 from soup_sim.layouts.draft import Draft, body_m
 
 

@@ -11,7 +11,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from soup_msgs_py.layout import Floats, Layout
-from soup_msgs_py.scenario import Floor, Scenario
+from soup_msgs_py.parameters import Floor
+from soup_msgs_py.scenario import Scenario
 
 Indices = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]

@@ -28,12 +28,13 @@ class _Wanted:
 def place_stations(draft: Draft, scenario: Scenario, left: Indices, right: Indices, source: object) -> None:
     """Put the stations of a scenario into a draft.
 
-    Nobody passes through a station on the way elsewhere: one on a lane is joined along its row only. One that is
-    not on a waypoint gets its own, joined to the nearest lane, and what passes too near to it is closed::
+    A station on a lane keeps its edges, but none to another station: bots may come from all sides and queue along
+    the column, and ways through a station are for routers to avoid. One that is not on a waypoint gets its own,
+    joined to the nearest lane, and what passes too near to it is closed::
 
         . . . .        . .   .
                            W
-        . . W .        . .   .       around a station that is not on a waypoint
+        . . . W        . .   .       around a station that is not on a waypoint
                          |
         . . . .        . . . .
 
@@ -53,9 +54,7 @@ def place_stations(draft: Draft, scenario: Scenario, left: Indices, right: Indic
     _check(draft, words + letters, body, scenario, source)
 
     on_grid = np.array([s.waypoint for s in words + letters if s.waypoint >= 0], dtype=np.int64)
-    tails, heads = draft.edges[:, 0], draft.edges[:, 1]
-    along_column = draft.waypoints[tails, 0] == draft.waypoints[heads, 0]
-    draft.keep_edges(~(along_column & np.isin(draft.edges, on_grid).any(axis=1)))
+    draft.keep_edges(~np.isin(draft.edges, on_grid).all(axis=1))
 
     new = [s for s in words + letters if s.waypoint < 0]
     for station in new:

@@ -78,6 +78,8 @@ class Judge:
             EventType.BOT_COLLISION: self._bots.collided,
             EventType.BUCKET_COLLISION: self._bots.collided,
             EventType.RESUMED: self._bots.resumed,
+            EventType.SPOT_MADE: self._buckets.spot_changed,
+            EventType.SPOT_REMOVED: self._buckets.spot_changed,
         }
         self.poses(start.bots, start.buckets)
 

@@ -28,7 +28,8 @@ class PoseLaws:
         self._bot_reach = 2 * scenario.bot.radius_m - EPSILON
         self._bucket_reach = 2 * scenario.bucket.radius_m - EPSILON
         self._tolerance = scenario.bot.tolerance_m + EPSILON
-        self._spots = cKDTree(layout.waypoints[layout.storage_spots])
+        self._spots = cKDTree(_places(buckets.spot_xy))
+        self._spot_changes = buckets.spot_changes
         self._ledger = buckets
         self._record = record
         self._known: set[tuple[str, Any]] = set()
@@ -59,7 +60,8 @@ class PoseLaws:
             self._speed(bots)
             self._apart(at_bots, at_buckets, buckets)
             self._carried(bots, buckets, at_bots, at_buckets)
-            self._stored(buckets, at_buckets)
+            if buckets.time >= self._ledger.spots_changed_at:
+                self._stored(buckets, at_buckets)
             if current:
                 self._as_in_ledger(bots, buckets)
         self._known = self._found
@@ -182,6 +184,8 @@ class PoseLaws:
         )
 
     def _stored(self, buckets: Buckets, at_buckets: Places) -> None:
+        if self._spot_changes != self._ledger.spot_changes:
+            self._spots, self._spot_changes = cKDTree(_places(self._ledger.spot_xy)), self._ledger.spot_changes
         resting = np.flatnonzero(buckets.bot < 0)
         distance, _ = self._spots.query(at_buckets[resting], distance_upper_bound=self._tolerance)
         self._report(
@@ -220,6 +224,11 @@ class PoseLaws:
             np.flatnonzero((moved > EPSILON) & (buckets.bot < 0) & (bot < 0)).tolist(),
             lambda n: f"bucket {n} moved {moved[n]:g} m from where it rests",
         )
+
+
+def _places(spot_xy: dict[int, tuple[float, float]]) -> Places:
+    """The places of storage spots."""
+    return np.array(list(spot_xy.values())).reshape(-1, 2)
 
 
 def _written(place: Places) -> str:

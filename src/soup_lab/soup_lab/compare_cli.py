@@ -1,0 +1,150 @@
+"""The program behind `scripts/compare_policies.py`: a sweep, its table and its report."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import sys
+from collections.abc import Generator
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+from soup_lab.compare_analysis import Analysis, analyse, as_json
+from soup_lab.compare_experiment import Experiment, load_experiment
+from soup_lab.compare_identity import code_digest
+from soup_lab.compare_report import report
+from soup_lab.compare_runs import Failure, Job, OtherCodeError, Outcome, Outcomes, jobs, run_local, run_on_dask
+from soup_lab.compare_store import Store, write_whole
+from soup_lab.compare_table import markdown, screen
+from soup_lab.runs import Summary
+from soup_msgs_py import arguments as args
+from soup_msgs_py.errors import InputError, RunError
+
+STARTS = 3
+TABLE_WIDTH = 190  # characters that the table needs; a file or a pipe has them
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = args.Parser("Compare policies: run all variants of an experiment, with intervals and a report.")
+    parser.add_argument("experiment", type=Path, metavar="EXPERIMENT.yaml")
+    parser.add_argument("--out", type=Path, metavar="DIR", help="for the results; without: results/NAME of the file")
+    parser.add_argument("--replications", type=args.replications, metavar="N", help="runs a variant, each its seed")
+    parser.add_argument("--processes", type=args.processes, metavar="N", help="runs at once; without: one a core")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a dask cluster to run on, instead of this machine")
+    parsed = parser.parse_args(argv)
+    if parsed.scheduler is not None and parsed.processes is not None:
+        parser.error("--processes: found --scheduler too; allowed: one of them, a cluster has its own processes")
+    parsed.out = parsed.out or Path("results") / parsed.experiment.stem
+    return parsed
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run what is not there yet, print the table, write the report; the exit status."""
+    options = parse(argv)
+    try:
+        experiment = load_experiment(options.experiment, options.replications)
+        with Store(options.out) as store:
+            return _sweep(experiment, store, options)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except RunError as error:
+        print(f"{error}; the same command goes on with what is in {options.out}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"stopped before the end; the same command goes on with what is in {options.out}", file=sys.stderr)
+        return 130
+
+
+def _sweep(experiment: Experiment, store: Store, options: argparse.Namespace) -> int:
+    console = Console(stderr=True)
+    analysis = analyse(experiment, _outcomes(experiment, store, options, console))
+    _write(analysis, options.out)
+    shown = Console()
+    if not shown.is_terminal:
+        shown = Console(width=TABLE_WIDTH)
+    shown.print(screen(analysis, wide=shown.width >= TABLE_WIDTH))
+    shown.print(f"report: {options.out / 'report.html'}", highlight=False, soft_wrap=True)
+    return 1 if analysis.failures or analysis.violations else 0
+
+
+def _outcomes(experiment: Experiment, store: Store, options: argparse.Namespace, console: Console) -> Outcomes:
+    """What came of all runs; those of this machine start again should the code be changed just while they start."""
+    for _ in range(0 if options.scheduler else STARTS - 1):
+        try:
+            return _run(experiment, store, options, console)
+        except OtherCodeError:
+            console.print("the code was changed while the sweep started: once more, with what it is now")
+            code_digest.cache_clear()
+    return _run(experiment, store, options, console)
+
+
+def _run(experiment: Experiment, store: Store, options: argparse.Namespace, console: Console) -> Outcomes:
+    """What came of all runs: those that are there, and those that are run now."""
+    every = jobs(experiment)
+    outcomes: Outcomes = {}
+    for job in every:
+        if (summary := store.get(job.run)) is not None:
+            outcomes[job.case.digest, job.seed] = summary
+    todo = [job for job in every if (job.case.digest, job.seed) not in outcomes]
+    console.print(_what_there_is(len(every), len(outcomes), len(store)), highlight=False, soft_wrap=True)
+    runs = run_on_dask(todo, options.scheduler) if options.scheduler else run_local(todo, options.processes)
+    with contextlib.closing(_watched(runs, len(every), len(outcomes), console)) as watched:
+        for job, outcome in watched:
+            outcomes[job.case.digest, job.seed] = outcome
+            if not isinstance(outcome, Failure):
+                store.add(job.run, job.case.label, outcome)
+    store.sort(job.run for job in every)
+    return outcomes
+
+
+def _what_there_is(wanted: int, found: int, stored: int) -> str:
+    text = f"{wanted} runs"
+    if found:
+        text += f", of which {found} are there already"
+    if stored > found:
+        text += f"; {stored - found} others there are of other settings, seeds or code"
+    return text
+
+
+def _watched(runs: Generator[Outcome], total: int, found: int, console: Console) -> Generator[Outcome]:
+    """The same outcomes, with a bar that moves on a terminal and a line for each run elsewhere."""
+    columns = (
+        BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("left"), TimeRemainingColumn(),
+        TextColumn("{task.description}"),
+    )  # fmt: skip
+    live = console.is_terminal
+    with Progress(*columns, console=console, transient=True, disable=not live) as bar, contextlib.closing(runs):
+        task = bar.add_task("", total=total, completed=found)
+        for done, (job, outcome) in enumerate(runs, start=found + 1):
+            text = _told(job, outcome)
+            bar.update(task, completed=done, description=escape(text))
+            if not live or isinstance(outcome, Failure):
+                console.print(f"{done} of {total}: {text}", highlight=False, markup=False, soft_wrap=True)
+            yield job, outcome
+
+
+def _told(job: Job, outcome: Summary | Failure) -> str:
+    came = f"failed: {outcome.reason}" if isinstance(outcome, Failure) else f"{outcome['words_per_second']:.4f} words/s"
+    return f"{job.case.label}, seed {job.seed}: {came}"
+
+
+def _write(analysis: Analysis, folder: Path) -> None:
+    """The report, the table for a README, the figures as JSON, and what failed with all its details."""
+    write_whole(folder / "report.html", report(analysis))
+    write_whole(folder / "table.md", markdown(analysis))
+    write_whole(folder / "figures.json", json.dumps(as_json(analysis), indent=2) + "\n")
+    failed = folder / "failures.txt"
+    failed.unlink(missing_ok=True)
+    details = [
+        f"{row.case.label}, seed {seed}\n{failure.details}"
+        for row in analysis.rows()
+        for seed, failure in row.failures.items()
+    ]
+    if details:
+        write_whole(failed, "\n".join(details))

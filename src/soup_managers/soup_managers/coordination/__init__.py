@@ -1,0 +1,1 @@
+"""Coordination leg by leg: bots, buckets and stations are matched at the latest moment, traffic runs on a timetable."""

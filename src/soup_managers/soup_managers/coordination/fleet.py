@@ -1,0 +1,618 @@
+"""The fleet manager that works leg by leg, on the timetable of reserved traffic.
+
+Nothing is promised before it has to be: a bot is bound to a bucket and a station, but which letters are moved is
+settled when the bucket is docked, and where the bucket goes next when it is done there. Each leg is one drive on
+reserved ways, each operation at its end one trip without a way::
+
+    fetch -> (line of the station) -> dock: tiles until it serves no more -> another station | storage spot
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from soup_managers.coordination.explain import Explain
+from soup_managers.coordination.jobs import Job
+from soup_managers.coordination.places import Places
+from soup_managers.coordination.robots import Activity, Purpose, Robot
+from soup_managers.coordination.situation import Situation
+from soup_managers.manager import Manager
+from soup_managers.policies.coordinated import Coordinated
+from soup_managers.traffic import Traffic
+from soup_managers.view import WarehouseView
+from soup_msgs_py.codes import Code, EventType, Phase
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.messages import (
+    DELIVER,
+    STORE,
+    Bots,
+    BotStatus,
+    Bound,
+    CancelTask,
+    DeliverGoal,
+    DriveGoal,
+    DriveResult,
+    Event,
+    StoreGoal,
+    TaskFeedback,
+    TaskResult,
+    TaskState,
+    Trip,
+    TripGoal,
+    TripResult,
+    Visit,
+)
+from soup_msgs_py.mind import Message
+from soup_msgs_py.scenario import Scenario
+
+TICK_S = 1.0  # between two looks at all stations
+RETRY_S = 0.5  # before a way that could not be planned is tried again
+TRIES = 8  # alternatives that are tried at once
+FAR_S = 15.0  # a bot that comes from farther takes the hindmost place in a line
+KEEP_ROOM = 4  # a bucket with less room is done at a letter station
+
+
+class CoordinatedFleet(Manager):
+    """Serves the other managers' tasks with reserved traffic and the decisions of a `Coordinated` policy.
+
+    It owns nothing durable: bots, buckets and stations are as the world tells, and what is bound for where is
+    decided anew by a new one.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        layout: Layout,
+        policy: Coordinated,
+        view: WarehouseView,
+        rng: np.random.Generator,
+        explain: Callable[[dict[str, Any]], None] | None = None,
+    ) -> None:
+        super().__init__(view)
+        self._scenario, self._layout, self._policy, self._rng = scenario, layout, policy, rng
+        self._explain = Explain(explain)
+        self._traffic = Traffic(scenario, layout)
+        self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
+        self._places = Places(layout, scenario.bots)
+        self._lines: list[list[Robot | None]] = [[None] * len(line) for line in self._traffic.lines]
+        self._early: list[Message] = []
+        self._orders = 0
+        self._silent = scenario.bots  # bots that have not told yet what they do
+        self._said: list[Message] = []
+        self._undecided: list[Robot] = []
+        self._moved_lines: set[int] = set()
+        self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
+        self._tell_bound = False
+        self._changed: dict[tuple[str, int], Job] = {}
+        self._handlers |= {
+            DeliverGoal: self._handle_goal,
+            StoreGoal: self._handle_goal,
+            CancelTask: self._handle_cancel,
+            BotStatus: self._handle_status,
+            TripResult: self._handle_result,
+            DriveResult: self._handle_result,
+            Bots: self._handle_bots,
+        }
+
+    def tasks(self) -> tuple[TaskState, ...]:
+        """The fleet's list of tasks, in the order of their arrival."""
+        bound = [tuple(robot.number for robot in robots) for robots in self.situation.bound]
+        return tuple(
+            [
+                TaskState(
+                    job.number,
+                    job.kind,
+                    job.station,
+                    job.job,
+                    tuple(job.missing),
+                    bound[job.station],
+                    self._reason(job),
+                )
+                for job in self.situation.jobs.all.values()
+            ]
+        )
+
+    def wake(self, now: float) -> list[Message]:
+        """Look after all stations, and try again what was not possible."""
+        self.next_wake = now + TICK_S
+        if not self.view.ready or self.view.lost:
+            return []
+        for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
+            del self._waiting[robot.number]
+            self._resume(robot, now)
+        self._traffic.forget_before(now)
+        self._fetch(now)
+        return self._act(now)
+
+    def on_world(self, now: float) -> list[Message]:
+        """Make the books about buckets anew from the view, and hear what came before it."""
+        self.situation.take_over()
+        self._places.take_over(self.view.bucket_on)
+        for robot in self.situation.robots:
+            if robot.load >= 0:
+                self.situation.free_buckets[robot.load] = False
+        early, self._early = self._early, []
+        said = [answer for message in early for answer in self.handle(message, now)]
+        for job in list(self.situation.jobs.all.values()):
+            self._correct(job)
+        self.next_wake = now + TICK_S
+        return said + self._act(now)
+
+    def on_event(self, event: Event, now: float) -> list[Message]:
+        """Tiles were moved, buckets lifted and set down."""
+        kind, situation = event.type, self.situation
+        if kind is EventType.TRANSFERRED:
+            delivered = event.station < situation.word_stations
+            situation.stock.put(event.bucket, event.tile, -1 if delivered else 1)
+            situation.jobs.moved((DELIVER if delivered else STORE, event.job), event.tile)
+            situation.changed(event.station)
+        elif kind is EventType.WORD_COMPLETED or kind is EventType.BUNDLE_EMPTIED:
+            job = situation.jobs.all.get((DELIVER if kind is EventType.WORD_COMPLETED else STORE, event.job))
+            if job is not None:
+                situation.jobs.remove(job)
+                situation.changed(job.station)
+                return [TaskResult(job.kind, job.number, Code.DONE, "all letters are in place")]
+        elif kind is EventType.GRABBED:
+            situation.free_buckets[event.bucket] = False
+            self._places.lifted(int(situation.spot_of[event.bucket]))
+        elif kind is EventType.RELEASED:
+            spot = self.view.spot_of[event.bucket]
+            situation.spot_of[event.bucket] = spot
+            self._places.set_down(spot)
+        return []
+
+    # ---- messages ------------------------------------------------------------------------------------------
+
+    def _handle_goal(self, goal: DeliverGoal | StoreGoal, now: float) -> list[Message]:
+        kind = DELIVER if isinstance(goal, DeliverGoal) else STORE
+        if not self.view.ready:
+            self._early.append(goal)
+            tiles = goal.tiles if isinstance(goal, DeliverGoal) else (goal.tile,) * goal.count
+            return [TaskFeedback(kind, goal.task, tiles, "the fleet waits for a snapshot of the world")]
+        number = goal.word if isinstance(goal, DeliverGoal) else goal.bundle
+        if not self._is_there(kind, number, goal.station):
+            what = f"word {number} is not open" if kind == DELIVER else f"bundle {number} is not staged"
+            return [TaskResult(kind, goal.task, Code.UNKNOWN, f"{what} on station {goal.station}")]
+        old = self.situation.jobs.accept(goal)
+        self.situation.changed(goal.station)
+        if old is not None and old.number != goal.task:
+            self._said.append(TaskResult(kind, old.number, Code.REPLACED, f"task {goal.task} asks for the same"))
+        job = self.situation.jobs.all[kind, number]
+        self._correct(job)
+        self._changed[kind, number] = job
+        docked = self._lines[goal.station][0]
+        if docked is not None and docked.activity is Activity.STANDS:
+            self._undecided.append(docked)
+        return self._act(now)
+
+    def _handle_cancel(self, cancel: CancelTask, now: float) -> list[Message]:
+        job = self.situation.jobs.numbered(cancel.kind, cancel.task)
+        if job is None:
+            text = f"the fleet has no {cancel.kind} task {cancel.task}"
+            return [TaskResult(cancel.kind, cancel.task, Code.UNKNOWN, text)]
+        self.situation.jobs.remove(job)
+        self.situation.changed(job.station)
+        return [TaskResult(job.kind, job.number, Code.CANCELLED, "taken back")]
+
+    def _handle_status(self, status: BotStatus, now: float) -> list[Message]:
+        if not self.view.ready:
+            self._early.append(status)
+            return []
+        robot = self.situation.robots[status.bot]
+        if status.phase is not Phase.IDLE or robot.activity not in (Activity.UNKNOWN, Activity.AWAY):
+            return []
+        if robot.activity is Activity.UNKNOWN:
+            self._silent -= 1
+        self._stands(robot, status.bucket, now)
+        if self._silent == 0:
+            self._fetch(now)
+        return self._act(now)
+
+    def _handle_bots(self, bots: Bots, now: float) -> list[Message]:
+        if self.view.ready:
+            self.view.observe(bots)
+        return []
+
+    def _handle_result(self, result: DriveResult | TripResult, now: float) -> list[Message]:
+        robot = self.situation.robots[result.bot]
+        drive = isinstance(result, DriveResult)
+        number = result.drive if isinstance(result, DriveResult) else result.trip
+        if robot.activity is not (Activity.DRIVES if drive else Activity.WORKS) or robot.order != number:
+            return []
+        if result.code is not Code.DONE:
+            self._failed(robot, result.message, now)
+        elif drive:
+            self._arrived(robot)
+        else:
+            self._worked(robot)
+        return self._act(now)
+
+    def _is_there(self, kind: str, number: int, station: int) -> bool:
+        if kind == DELIVER:
+            word = self.view.open_words.get(number)
+            return word.station == station if word is not None else number in self.view.waiting_words
+        bundle = self.view.staged_bundles.get(number)
+        return bundle is not None and bundle.station == station
+
+    def _correct(self, job: Job) -> None:
+        """Make a task's missing tiles those that are really missing."""
+        if job.kind == DELIVER:
+            word = self.view.open_words.get(job.job)
+            left = list(word.missing) if word is not None else []
+        else:
+            bundle = self.view.staged_bundles.get(job.job)
+            left = [bundle.tile] * bundle.count if bundle is not None else []
+        if job.job in self.view.waiting_words and job.kind == DELIVER:
+            return
+        asked = []
+        for tile in job.missing:
+            if tile in left:
+                left.remove(tile)
+                asked.append(tile)
+        self.situation.jobs.correct(job, asked)
+        self.situation.changed(job.station)
+
+    # ---- where bots stand ----------------------------------------------------------------------------------
+
+    def _stands(self, robot: Robot, bucket: int, now: float) -> None:
+        """A bot has told that it stands idle: it can be used from where it is."""
+        x, y = float(self.view.bot_x[robot.number]), float(self.view.bot_y[robot.number])
+        if robot.activity is Activity.AWAY:
+            self._places.leave(robot.waypoint)
+        robot.waypoint = self._places.nearest(x, y)
+        robot.bucket, robot.target = bucket, -1
+        robot.activity = Activity.STANDS
+        robot.purpose = Purpose.NONE
+        self._places.take(robot.waypoint)
+        self._traffic.stand(robot.number, robot.waypoint, now)
+        self._note_place(robot)
+        if bucket >= 0:
+            self.situation.free_buckets[bucket] = False
+            self._undecided.append(robot)
+        elif not self._places.is_spot[robot.waypoint]:
+            robot.purpose = Purpose.PARK
+            self._later(robot, now, "")
+
+    def _failed(self, robot: Robot, message: str, now: float) -> None:
+        """What a bot was asked for went wrong: it is left alone until it tells where it stands."""
+        self._unbind(robot)
+        if robot.target >= 0 and self.view.bucket_bot[robot.target] < 0:
+            self.situation.free_buckets[robot.target] = True
+        robot.target = -1
+        robot.purpose = Purpose.NONE
+        robot.activity = Activity.AWAY
+        robot.note = message
+
+    def _note_place(self, robot: Robot) -> None:
+        self.situation.robot_xy[robot.number] = self._layout.waypoints[robot.waypoint]
+
+    # ---- legs and operations -------------------------------------------------------------------------------
+
+    def _go(self, robot: Robot, goal: int, now: float) -> bool:
+        """Send a bot that stands to a waypoint; False where no way can be planned now."""
+        if robot.waypoint == goal:
+            self._arrived(robot)
+            return True
+        loaded = robot.bucket >= 0
+        leg = self._traffic.plan(robot.number, goal, now, loaded=loaded, blocked_spots=self._places.occupied)
+        if leg is None:
+            return False
+        self._waiting.pop(robot.number, None)
+        self._places.leave(robot.waypoint)
+        self._places.take(goal)
+        robot.waypoint, robot.activity, robot.arrives, robot.note = goal, Activity.DRIVES, leg.arrive, ""
+        self._note_place(robot)
+        self._orders += 1
+        robot.order = self._orders
+        self._said.append(DriveGoal(robot.number, robot.order, leg.points, leg.stamps))
+        return True
+
+    def _arrived(self, robot: Robot) -> None:
+        robot.activity = Activity.STANDS
+        match robot.purpose:
+            case Purpose.FETCH:
+                self._work(robot, robot.target, (), ())
+            case Purpose.STORE:
+                x, y = self._layout.waypoints[robot.waypoint]
+                self._work(robot, robot.bucket, (), ((float(x), float(y)),))
+            case Purpose.SERVE if robot.slot == 0:
+                self._undecided.append(robot)
+            case Purpose.SERVE:
+                self._moved_lines.add(robot.station)
+            case _:
+                robot.purpose = Purpose.NONE
+
+    def _work(
+        self, robot: Robot, bucket: int, visits: tuple[Visit, ...], store: tuple[tuple[float, float], ...]
+    ) -> None:
+        robot.activity = Activity.WORKS
+        self._orders += 1
+        robot.order = self._orders
+        self._said.append(TripGoal(robot.number, Trip(robot.order, bucket, (), visits, store)))
+
+    def _worked(self, robot: Robot) -> None:
+        """A bot has lifted, set down or served."""
+        robot.activity = Activity.STANDS
+        if robot.purpose is Purpose.FETCH:
+            robot.bucket, robot.target = robot.target, -1
+            robot.purpose = Purpose.SERVE if robot.station >= 0 else Purpose.NONE
+        elif robot.purpose is Purpose.STORE:
+            self.situation.free_buckets[robot.bucket] = True
+            robot.bucket = -1
+            robot.purpose = Purpose.NONE
+            return
+        if robot.purpose is Purpose.SERVE and robot.slot != 0:
+            self._moved_lines.add(robot.station)
+        else:
+            self._undecided.append(robot)
+
+    def _later(self, robot: Robot, now: float, why: str) -> None:
+        robot.note = why
+        robot.retry_at = now + RETRY_S
+        self._waiting[robot.number] = robot
+
+    def _resume(self, robot: Robot, now: float) -> None:
+        """Try again what was not possible."""
+        if robot.activity is not Activity.STANDS:
+            return
+        match robot.purpose:
+            case Purpose.FETCH:
+                if not self._go(robot, int(self.situation.spot_of[robot.target]), now):
+                    self._later(robot, now, f"no way leads to bucket {robot.target} now")
+            case Purpose.PARK:
+                self._park(robot, now)
+            case Purpose.SERVE if robot.slot != 0:
+                self._moved_lines.add(robot.station)
+            case _ if robot.bucket >= 0:
+                self._undecided.append(robot)
+
+    def _act(self, now: float) -> list[Message]:
+        """Decide what is to be decided, and say it."""
+        while self._undecided or self._moved_lines:
+            if self._undecided:
+                self._onward(self._undecided.pop(0), now)
+            else:
+                station = min(self._moved_lines)
+                self._moved_lines.discard(station)
+                self._move_up(station, now)
+        said, self._said = self._said, []
+        if self._tell_bound:
+            self._tell_bound = False
+            bound = [(r.load, station) for station, robots in enumerate(self.situation.bound) for r in robots]
+            said.append(Bound(now, tuple([b for b, _ in bound]), tuple([s for _, s in bound])))
+        return said
+
+    # ---- lines of stations ---------------------------------------------------------------------------------
+
+    def _move_up(self, station: int, now: float) -> None:
+        """Move a station's line up, and let those who wait for a place in it come."""
+        line, places = self._lines[station], self._traffic.lines[station]
+        for slot in range(len(line) - 1):
+            behind = next((k for k in range(slot + 1, len(line)) if line[k] is not None), -1)
+            if line[slot] is not None or behind < 0:
+                continue
+            robot = line[behind]
+            if robot is None or robot.activity is not Activity.STANDS:
+                break
+            line[slot], robot.slot = robot, slot
+            if not self._go(robot, places[slot], now):
+                line[slot], robot.slot = None, behind
+                self._later(robot, now, "waits to move up")
+                break
+            line[behind] = None
+        waiting = [
+            (self.situation.travel_s(robot.waypoint, station), robot.number, robot)
+            for robot in self.situation.bound[station]
+            if robot.slot < 0 and robot.activity is Activity.STANDS and robot.bucket >= 0
+        ]
+        for _, _, robot in sorted(waiting):
+            slot = self._slot_for(robot, station, now)
+            if slot < 0:
+                break
+            line[slot], robot.slot = robot, slot
+            if not self._go(robot, places[slot], now):
+                line[slot], robot.slot = None, -1
+                self._later(robot, now, f"no way leads to {self._layout.station_name(station)} now")
+
+    def _slot_for(self, robot: Robot, station: int, now: float) -> int:
+        """The place in a station's line that a bot can get to, -1 for none.
+
+        It comes behind all who are there before it, and before those who arrive later. One that comes from far
+        takes the hindmost: others may be served before it is there.
+        """
+        line = self._lines[station]
+        travel = self.situation.travel_s(robot.waypoint, station)
+        low, high = 0, len(line)
+        for slot, other in enumerate(line):
+            if other is None:
+                continue
+            if other.activity is Activity.DRIVES and other.arrives > now + travel:
+                high = slot
+                break
+            low = slot + 1
+        if low >= high:
+            return -1
+        return low if travel <= FAR_S else high - 1
+
+    def _binding_changed(self, station: int) -> None:
+        self.situation.changed(station)
+        self._tell_bound = True
+
+    def _bind(self, robot: Robot, station: int) -> None:
+        robot.station, robot.slot = station, -1
+        self.situation.bound[station].append(robot)
+        self._binding_changed(station)
+
+    def _unbind(self, robot: Robot) -> None:
+        station = robot.station
+        if station < 0:
+            return
+        self.situation.bound[station].remove(robot)
+        self._binding_changed(station)
+        if robot.slot >= 0:
+            self._lines[station][robot.slot] = None
+            self._moved_lines.add(station)
+        robot.station, robot.slot = -1, -1
+
+    # ---- decisions -----------------------------------------------------------------------------------------
+
+    def _onward(self, robot: Robot, now: float) -> None:
+        """What a bot with a bucket that stands does next."""
+        if robot.activity is not Activity.STANDS or robot.bucket < 0:
+            return
+        situation = self.situation
+        if robot.purpose is Purpose.SERVE:
+            if robot.slot != 0:
+                return
+            station = robot.station
+            if situation.is_word_station(station):
+                moves = situation.jobs.deliveries(station, situation.stock.of(robot.bucket))
+            else:
+                moves = situation.jobs.fillings(station, situation.room(robot.bucket))
+            if moves:
+                self._work(robot, robot.bucket, (Visit(station, moves, ()),), ())
+                return
+            if not situation.is_word_station(station) and self._worth_waiting(robot):
+                self._later(robot, now, "waits for a bundle")
+                return
+        if not self._serve_on(robot, now):
+            self._store(robot, now)
+
+    def _worth_waiting(self, robot: Robot) -> bool:
+        """Whether a bucket stays at a letter station that has nothing for it just now."""
+        room = self.situation.room(robot.bucket)
+        alone = len(self.situation.bound[robot.station]) == 1
+        return room > KEEP_ROOM and alone and 4 * room > self.situation.stock.capacity
+
+    def _serve_on(self, robot: Robot, now: float) -> bool:
+        scores = self._policy.onward.score(self.situation, robot)
+        self._explain.choice("onward", now, scores, bot=robot.number, bucket=robot.bucket)
+        for station in np.argsort(-scores, kind="stable")[:TRIES].tolist():
+            if scores[station] <= 0.0:
+                return False
+            slot = self._slot_for(robot, station, now) if station != robot.station else -1
+            if slot < 0:
+                continue
+            before = robot.purpose
+            robot.purpose = Purpose.SERVE
+            if self._go(robot, self._traffic.lines[station][slot], now):
+                self._unbind(robot)
+                self._bind(robot, station)
+                robot.slot = slot
+                self._lines[station][slot] = robot
+                return True
+            robot.purpose = before
+        return False
+
+    def _store(self, robot: Robot, now: float) -> None:
+        """Put the bucket away."""
+        situation = self.situation
+        spots = self._places.free_spots()
+        if not len(spots):
+            self._later(robot, now, "no storage spot is free")
+            return
+        travel = self._traffic.times_from(robot.waypoint)[spots]
+        costs = self._policy.storage.cost(situation, robot.bucket, spots, travel)
+        costs = np.where(np.isfinite(travel), costs, np.inf)
+        self._explain.choice("storage", now, -costs, spots, bot=robot.number, bucket=robot.bucket)
+        before = robot.purpose
+        robot.purpose = Purpose.STORE
+        for choice in np.argsort(costs, kind="stable")[:TRIES].tolist():
+            if np.isfinite(costs[choice]) and self._go(robot, int(spots[choice]), now):
+                self._unbind(robot)
+                return
+        robot.purpose = before
+        self._later(robot, now, "no way leads to a free storage spot now")
+
+    def _park(self, robot: Robot, now: float) -> None:
+        """A bot without work that stands on a lane goes under a bucket, out of the way."""
+        spots = self._places.spots[self._places.taken[self._places.spots] == 0]
+        costs = self._traffic.times_from(robot.waypoint)[spots]
+        for choice in np.argsort(costs, kind="stable")[:TRIES].tolist():
+            if self._go(robot, int(spots[choice]), now):
+                return
+        self._later(robot, now, "no way leads off the lane now")
+
+    def _fetch(self, now: float) -> None:
+        """Have buckets fetched for the stations that run out of work."""
+        situation = self.situation
+        if self._silent:
+            return
+        idle = [robot.number for robot in situation.robots if robot.idle]
+        if not idle:
+            return
+        short = [(situation.ahead_s(station), station) for station in situation.short_word_stations()]
+        short += [(situation.ahead_s(station), station) for station in situation.short_letter_stations()]
+        stations = [station for _, station in sorted(short)][: len(idle)]
+        chosen = self._choose_buckets(stations, idle, now)
+        without = [(station, bucket) for station, bucket, robot in chosen if robot is None]
+        bots = np.array(idle, np.int32)
+        places = [self._spot_xy(bucket) for _, bucket in without]
+        costs = self._policy.bots.match(situation, bots, places) if without and len(bots) else []
+        pairs = [(station, bucket, robot) for station, bucket, robot in chosen if robot is not None]
+        for (station, bucket), cost in zip(without, costs, strict=False):
+            usable = np.where([situation.robots[bot].idle for bot in idle], cost, np.inf)
+            if not len(usable) or not np.isfinite(usable).any():
+                break
+            self._explain.choice("bots", now, -usable, bots, bucket=bucket)
+            robot = situation.robots[idle[int(usable.argmin())]]
+            robot.purpose = Purpose.FETCH  # no longer idle
+            pairs.append((station, bucket, robot))
+        for station, bucket, robot in pairs:
+            robot.purpose, robot.target = Purpose.FETCH, bucket
+            situation.free_buckets[bucket] = False
+            self._bind(robot, station)
+            if not self._go(robot, int(situation.spot_of[bucket]), now):
+                self._later(robot, now, f"no way leads to bucket {bucket} now")
+
+    def _choose_buckets(self, stations: list[int], idle: list[int], now: float) -> list[tuple[int, int, Robot | None]]:
+        """A bucket for each station, where there is one, and the idle bot that stands under it.
+
+        Those bots are taken out of `idle`.
+        """
+        situation, policy = self.situation, self._policy
+        words = [situation.want(station) for station in stations if situation.is_word_station(station)]
+        word_scores = iter(policy.buckets.match(situation, words) if words else [])
+        wants = iter(words)
+        used: set[int] = set()
+        chosen: list[tuple[int, int, Robot | None]] = []
+        for station in stations:
+            if situation.is_word_station(station):
+                allowed = next(wants).tiles > 0
+                scores = next(word_scores)
+            else:
+                fill = situation.fill(station)
+                allowed = fill.room >= situation.horizons.least_room
+                scores = policy.fills.score(situation, fill)
+            scores = np.where(allowed & situation.free_buckets, scores, 0.0)
+            self._explain.choice("buckets", now, scores, station=station)
+            for bucket in np.argsort(-scores, kind="stable")[: TRIES + len(used)].tolist():
+                if scores[bucket] <= 0.0:
+                    break
+                spot = int(situation.spot_of[bucket])
+                under = next((bot for bot in idle if situation.robots[bot].waypoint == spot), -1)
+                if bucket in used or (under < 0 and self._places.taken[spot]):
+                    continue
+                used.add(bucket)
+                if under >= 0:
+                    idle.remove(under)
+                chosen.append((station, bucket, situation.robots[under] if under >= 0 else None))
+                break
+        return chosen
+
+    def _spot_xy(self, bucket: int) -> tuple[float, float]:
+        x, y = self._layout.waypoints[self.situation.spot_of[bucket]]
+        return float(x), float(y)
+
+    def _reason(self, job: Job) -> str:
+        """Why a task waits; empty where something is on its way to its station."""
+        if self._silent:
+            return f"{self._silent} bots have not said that they are there"
+        if not self.situation.bound[job.station]:
+            if not any(robot.idle for robot in self.situation.robots):
+                return "all bots are busy"
+            return "no free bucket serves it"
+        return ""

@@ -1,0 +1,70 @@
+"""What the fleet knows of each bot: where it stands or goes to, and what for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+
+class Purpose(Enum):
+    """What a bot drives for."""
+
+    NONE = "none"
+    FETCH = "fetch"
+    SERVE = "serve"
+    STORE = "store"
+    PARK = "park"
+
+
+class Activity(Enum):
+    """What a bot does now."""
+
+    UNKNOWN = "unknown"  # it has not told yet
+    AWAY = "away"  # driven by hand, penalised, or on a trip that somebody else asked for
+    STANDS = "stands"
+    DRIVES = "drives"
+    WORKS = "works"  # grabs, releases, moves tiles
+
+
+@dataclass(slots=True, eq=False)
+class Robot:
+    """One bot in the fleet's books.
+
+    Attributes:
+        number: Of the bot.
+        waypoint: Where it stands or, while it drives, where it will stand.
+        bucket: The bucket that it carries, -1 for none.
+        purpose: What it is for now.
+        target: The bucket that it is to fetch, -1 for none.
+        station: The station that it is bound for, -1 for none.
+        slot: Its place in that station's line: 0 is the dock; -1 for none yet.
+        spot: The storage spot that is kept for it, -1 for none.
+        order: The number of the drive or trip that it was asked for last.
+        arrives: When its drive ends (s).
+        retry_at: When a way that could not be planned is tried again (s).
+        note: What it waits for, for people.
+    """
+
+    number: int
+    waypoint: int = -1
+    bucket: int = -1
+    activity: Activity = Activity.UNKNOWN
+    purpose: Purpose = Purpose.NONE
+    target: int = -1
+    station: int = -1
+    slot: int = -1
+    spot: int = -1
+    order: int = -1
+    arrives: float = 0.0
+    retry_at: float = 0.0
+    note: str = field(default="")
+
+    @property
+    def load(self) -> int:
+        """The bucket that it carries, or is to fetch."""
+        return self.bucket if self.bucket >= 0 else self.target
+
+    @property
+    def idle(self) -> bool:
+        """Whether it stands with nothing to do and nothing on it."""
+        return self.activity is Activity.STANDS and self.purpose is Purpose.NONE and self.bucket < 0

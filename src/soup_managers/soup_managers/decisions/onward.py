@@ -1,0 +1,64 @@
+"""What a bot does with its bucket when a station is done with it: to another station, or into storage."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from soup_managers.coordination.robots import Robot
+from soup_managers.coordination.situation import Situation
+from soup_msgs_py.layout import Floats
+
+
+class OnwardChoice(ABC):
+    """Scores stations as the next stop of a bucket that is on a bot. Extend it and implement `score`."""
+
+    @abstractmethod
+    def score(self, situation: Situation, robot: Robot) -> Floats:
+        """How good each station is as the next stop.
+
+        Args:
+            situation: The warehouse.
+            robot: The bot, with its bucket, where it stands.
+
+        Returns:
+            Scores, shape (stations,): the highest above 0 is taken that has a place in its line; if there is
+            none, the bucket is stored.
+        """
+
+
+class AlwaysStore(OnwardChoice):
+    """One station a trip: the bucket goes into storage."""
+
+    def score(self, situation: Situation, robot: Robot) -> Floats:
+        """Nothing above 0."""
+        return np.zeros(len(situation.docks))
+
+
+class ServeOn(OnwardChoice):
+    """On to the word station with most tiles per second; else, with enough room, to be filled.
+
+    Args:
+        least_tiles: Fewer tiles are not worth a visit.
+        least_room: With less room a bucket is not taken to a letter station.
+        overhead_s: What a visit costs besides travel and transfers.
+    """
+
+    def __init__(self, least_tiles: int = 8, least_room: int = 16, overhead_s: float = 15.0) -> None:
+        self._least_tiles, self._least_room, self._overhead_s = least_tiles, least_room, overhead_s
+
+    def score(self, situation: Situation, robot: Robot) -> Floats:
+        """Word stations above 1, letter stations below."""
+        scores = np.zeros(len(situation.docks))
+        for station in situation.short_word_stations():
+            tiles = situation.serves(robot.bucket, station)
+            if tiles >= self._least_tiles:
+                travel_s = situation.travel_s(robot.waypoint, station)
+                cost_s = tiles * situation.transfer_s(station) + travel_s + self._overhead_s
+                scores[station] = 1.0 + tiles / cost_s
+        if not scores.any() and situation.room(robot.bucket) >= self._least_room:
+            for station in situation.short_letter_stations():
+                wait_s = situation.ahead_s(station) + situation.travel_s(robot.waypoint, station)
+                scores[station] = 1.0 / (1.0 + wait_s)
+        return scores

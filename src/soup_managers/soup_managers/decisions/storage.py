@@ -1,0 +1,85 @@
+"""Where a bucket is stored when its bot is done with it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+
+from soup_managers.coordination.situation import Situation
+from soup_managers.coordination.stock import Counts
+from soup_msgs_py.layout import Floats
+
+
+class StorageChoice(ABC):
+    """Scores free storage spots for a bucket. Extend it and implement `cost`."""
+
+    @abstractmethod
+    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+        """What it costs to store a bucket on each free spot; the least is taken.
+
+        Args:
+            situation: The warehouse.
+            bucket: The bucket.
+            spots: Free storage spots, as waypoints, shape (n,).
+            travel_s: The way there from where the bucket is (s), shape (n,).
+
+        Returns:
+            Costs, shape (n,).
+        """
+
+
+class Fixed(StorageChoice):
+    """Every bucket has its place: where it stood at the start."""
+
+    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+        """Distance from the bucket's first place."""
+        away = np.abs(situation.layout.waypoints[spots] - situation.first_place[bucket])
+        return away[:, 0] + away[:, 1]
+
+
+class RandomSpot(StorageChoice):
+    """Any free spot."""
+
+    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+        """Random numbers."""
+        return situation.rng.random(len(spots))
+
+
+class NearestSpot(StorageChoice):
+    """The nearest free spot."""
+
+    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+        """Travel time."""
+        return travel_s
+
+
+class NearWords(StorageChoice):
+    """Near, and near to the word stations, where the bucket is wanted next.
+
+    Args:
+        weight: What a second from the spot to the nearest word station counts, against one on the way there.
+    """
+
+    def __init__(self, weight: float = 3.0) -> None:
+        self._weight = weight
+
+    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+        """Seconds, weighted."""
+        return travel_s + self._weight * situation.to_words_s[spots]
+
+
+class PopularityZones(StorageChoice):
+    """As `near_words`, but the fuller a bucket is, the nearer to the word stations it may be.
+
+    Args:
+        weight: As for `near_words`, for a full bucket; an empty one goes to the nearest spot.
+    """
+
+    def __init__(self, weight: float = 3.0) -> None:
+        self._weight = weight
+
+    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+        """Seconds, weighted by how full the bucket is."""
+        full = float(situation.stock.total[bucket]) / situation.stock.capacity
+        return travel_s + self._weight * full * situation.to_words_s[spots]

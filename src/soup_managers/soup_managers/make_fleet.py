@@ -1,0 +1,51 @@
+"""The fleet manager that a fleet policy needs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from soup_managers.coordination.fleet import CoordinatedFleet
+from soup_managers.fleet_manager import FleetManager
+from soup_managers.policies import FLEET
+from soup_managers.policies.coordinated import Coordinated
+from soup_managers.policies.fleet import AnyFleet, FleetPolicy
+from soup_managers.router import Router
+from soup_managers.view import WarehouseView
+from soup_msgs_py.layout import Layout
+from soup_msgs_py.policies import PolicyChoice, load_policy
+from soup_msgs_py.scenario import Scenario
+
+Fleet = FleetManager | CoordinatedFleet
+
+
+def load_fleet(choice: PolicyChoice) -> AnyFleet:
+    """Make the fleet policy of a choice.
+
+    Raises:
+        InputError: There is no such policy, or its options do not fit.
+    """
+    return load_policy(choice, "fleet", FLEET, AnyFleet)
+
+
+def make_fleet(
+    scenario: Scenario,
+    layout: Layout,
+    policy: AnyFleet,
+    view: WarehouseView,
+    rng: np.random.Generator,
+    explain: Callable[[dict[str, Any]], None] | None = None,
+) -> Fleet:
+    """Make the fleet manager that works by a policy; `explain` is told each decision of a coordinated one.
+
+    Compiled code is loaded here, not while bots wait for their first trip.
+    """
+    if isinstance(policy, Coordinated):
+        return CoordinatedFleet(scenario, layout, policy, view, rng, explain)
+    if isinstance(policy, FleetPolicy):
+        router = Router(layout)
+        router.route(int(layout.storage_spots[0]), int(layout.word_stations[0]))
+        return FleetManager(scenario, layout, policy, view, rng, router)
+    raise TypeError(f"{type(policy).__name__} extends neither FleetPolicy nor Coordinated")

@@ -1,0 +1,5 @@
+"""Traffic: routes and timetables on the waypoint graph that keep bots from touching each other."""
+
+from soup_managers.traffic.traffic import Leg, Traffic
+
+__all__ = ["Leg", "Traffic"]

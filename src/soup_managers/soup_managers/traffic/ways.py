@@ -1,0 +1,178 @@
+"""Ways without regard to traffic: who may use an edge, trees of quickest ways, and single ways by A*."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from soup_managers.traffic.heap import drop_first, push
+from soup_managers.traffic.roads import ENTRY, FORWARD, LANE, SPOT
+from soup_managers.traffic.runs import turn_time
+
+
+@njit(cache=True, inline="always")
+def usable(roads, edge, goal, start_line, deep, blocked):
+    """Whether a bot on its way to a goal may drive along an edge.
+
+    Args:
+        roads: The graph.
+        edge: The edge.
+        goal: Where the bot goes.
+        start_line: The station line in which it started, -1 for none.
+        deep: Whether bots may pass through storage spots.
+        blocked: The spots through which this one may not, shape (n,).
+    """
+    kind, head = roads.kind[edge], roads.head[edge]
+    if kind == LANE:
+        return True
+    if kind == SPOT:
+        return head == goal or (deep and not blocked[head])
+    line = roads.line[head]
+    if kind == FORWARD:
+        if line == start_line:
+            return True
+        return goal >= 0 and line == roads.line[goal] and roads.line_place[head] >= roads.line_place[goal]
+    return kind == ENTRY and goal >= 0 and line == roads.line[goal]
+
+
+@njit(cache=True, inline="always")
+def stop_time(roads, edge, following):
+    """What a bot loses between two edges, because it must stop and turn (s)."""
+    if roads.straight[edge] == following and roads.line[roads.head[edge]] < 0:
+        return 0.0
+    V, A, turn_rate = roads.limits
+    return V / A + turn_time(roads.heading[edge], roads.heading[following], turn_rate)
+
+
+@njit(cache=True)
+def tree_to(roads, goal, deep, blocked):
+    """Quickest ways from everywhere to a goal.
+
+    Returns:
+        Seconds, shape (n,), infinite where no way leads; and the first edge of each way, -1 for none.
+    """
+    n = len(roads.line)
+    time, first = np.full(n, np.inf), np.full(n, -1, np.int32)
+    keys, nodes = np.empty(len(roads.head) + 1), np.empty(len(roads.head) + 1, np.int32)
+    time[goal], keys[0], nodes[0], size = 0.0, 0.0, goal, 1
+    while size > 0:
+        key, node = keys[0], nodes[0]
+        drop_first(keys, nodes, size)
+        size -= 1
+        if key > time[node]:
+            continue
+        for k in range(roads.into[node], roads.into[node + 1]):
+            edge = roads.into_edge[k]
+            tail = roads.tail[edge]
+            if usable(roads, edge, goal, roads.line[tail], deep, blocked):
+                there = key + roads.pace[edge]
+                if node != goal:
+                    there += stop_time(roads, edge, first[node])
+                if there < time[tail]:
+                    time[tail], first[tail] = there, edge
+                    push(keys, nodes, size, there, tail)
+                    size += 1
+    time += roads.limits[0] / roads.limits[1]  # to get going, and to stop at the end
+    time[goal] = 0.0
+    return time, first
+
+
+@njit(cache=True)
+def tree_from(roads, start, deep, blocked):
+    """Quickest ways from a place to all lanes and storage spots.
+
+    Returns:
+        Seconds, shape (n,), infinite where no way leads; and the last edge of each way, -1 for none.
+    """
+    n = len(roads.line)
+    time, last = np.full(n, np.inf), np.full(n, -1, np.int32)
+    keys, nodes = np.empty(len(roads.head) + 1), np.empty(len(roads.head) + 1, np.int32)
+    time[start], keys[0], nodes[0], size = 0.0, 0.0, start, 1
+    while size > 0:
+        key, node = keys[0], nodes[0]
+        drop_first(keys, nodes, size)
+        size -= 1
+        if key > time[node] or (node != start and roads.spot[node] and (not deep or blocked[node])):
+            continue
+        for edge in range(roads.out[node], roads.out[node + 1]):
+            head = roads.head[edge]
+            if usable(roads, edge, head if roads.kind[edge] == SPOT else -1, roads.line[start], deep, blocked):
+                there = key + roads.pace[edge]
+                if node != start:
+                    there += stop_time(roads, last[node], edge)
+                if there < time[head]:
+                    time[head], last[head] = there, edge
+                    push(keys, nodes, size, there, head)
+                    size += 1
+    time += roads.limits[0] / roads.limits[1]
+    time[start] = 0.0
+    return time, last
+
+
+@njit(cache=True)
+def follow(roads, start, goal, first, way):
+    """Write the edges of the way down a `tree_to` into `way`; how many there are, 0 for no way."""
+    count, node = 0, start
+    while node != goal:
+        edge = first[node]
+        if edge < 0:
+            return 0
+        way[count] = edge
+        count += 1
+        node = roads.head[edge]
+    return count
+
+
+@njit(cache=True)
+def follow_back(roads, start, goal, last, way):
+    """Write the edges of the way up a `tree_from` into `way`; how many there are, 0 for no way."""
+    count, node = 0, goal
+    while node != start:
+        edge = last[node]
+        if edge < 0:
+            return 0
+        way[count] = edge
+        count += 1
+        node = roads.tail[edge]
+    for k in range(count // 2):
+        way[k], way[count - 1 - k] = way[count - 1 - k], way[k]
+    return count
+
+
+@njit(cache=True, inline="always")
+def least_time(roads, place, goal, square):
+    """No way between two places takes less (s); `square`: all edges run along x or y."""
+    dx, dy = roads.points[place, 0] - roads.points[goal, 0], roads.points[place, 1] - roads.points[goal, 1]
+    length = abs(dx) + abs(dy) if square else np.sqrt(dx * dx + dy * dy)
+    return length / roads.limits[0]
+
+
+@njit(cache=True)
+def find_way(roads, start, goal, deep, blocked, square, desk, way):
+    """Write the edges of a quickest way (A*) into `way`; how many there are, 0 for no way."""
+    desk.round[0] += 1
+    now = desk.round[0]
+    seen, time, last, keys, nodes = desk.seen, desk.time, desk.parent, desk.keys, desk.items
+    start_line = roads.line[start]
+    seen[start], time[start], last[start] = now, 0.0, -1
+    keys[0], nodes[0], size = 0.0, start, 1
+    while size > 0:
+        key, node = keys[0], nodes[0]
+        drop_first(keys, nodes, size)
+        size -= 1
+        if node == goal:
+            return follow_back(roads, start, goal, last, way)
+        if key > time[node] + least_time(roads, node, goal, square) + 1e-9:
+            continue
+        for edge in range(roads.out[node], roads.out[node + 1]):
+            if not usable(roads, edge, goal, start_line, deep, blocked):
+                continue
+            head = roads.head[edge]
+            there = time[node] + roads.pace[edge]
+            if node != start:
+                there += stop_time(roads, last[node], edge)
+            if seen[head] != now or there < time[head]:
+                seen[head], time[head], last[head] = now, there, edge
+                push(keys, nodes, size, there + least_time(roads, head, goal, square), head)
+                size += 1
+    return 0

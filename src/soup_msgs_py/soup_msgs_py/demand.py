@@ -1,0 +1,115 @@
+"""What customers order and what suppliers bring, as a scenario says it: colours, orders, bundles."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from soup_msgs_py.parameters import Count, NotNegative, Part, Positive
+
+
+class ExplicitColours(Part):
+    """The share of each colour."""
+
+    kind: Literal["list"] = "list"
+    shares: Annotated[list[NotNegative], Field(min_length=1, max_length=10_000)]
+
+    @field_validator("shares")
+    @classmethod
+    def _add_up(cls, shares: list[float]) -> list[float]:
+        if not math.isclose(sum(shares), 1.0, abs_tol=1e-6):
+            raise ValueError(f"shares that add up to {sum(shares):g}|shares that add up to 1")
+        return shares
+
+
+class UniformColours(Part):
+    """All colours alike."""
+
+    kind: Literal["uniform"]
+    count: Annotated[int, Field(ge=1, le=10_000)]
+
+    @property
+    def shares(self) -> list[float]:
+        """The share of each colour."""
+        return [1.0 / self.count] * self.count
+
+
+class ParetoColours(Part):
+    """Few colours are popular: a Pareto distribution, for `alpha` 1.16 the classic 80/20 curve."""
+
+    kind: Literal["pareto"]
+    count: Annotated[int, Field(ge=1, le=10_000)]
+    alpha: Annotated[float, Field(gt=1, le=100)] = 1.16
+
+    @property
+    def shares(self) -> list[float]:
+        """The share of each colour, the most popular first."""
+        power = 1.0 - 1.0 / self.alpha
+        # rounded, so that the last bits of a power function, which differ between machines, decide nothing
+        curve = [round((k / self.count) ** power, 12) for k in range(self.count + 1)]
+        return [after - before for before, after in pairwise(curve)]
+
+
+Colours = Annotated[ExplicitColours | UniformColours | ParetoColours, Field(discriminator="kind")]
+DailyProfile = Annotated[list[NotNegative], Field(min_length=24, max_length=24)]  # factor for each hour of the day
+
+
+class Backlog(Part):
+    """Always `visible` waiting words to choose from: a customer whose demand never ends."""
+
+    kind: Literal["backlog"] = "backlog"
+    visible: Count = 200
+
+
+class AllOrders(Part):
+    """All orders are known at the start, and no more come."""
+
+    kind: Literal["all"]
+    count: Count
+
+
+class PoissonOrders(Part):
+    """Words arrive at random, `per_hour` on average, times the factor of the hour of the day."""
+
+    kind: Literal["poisson"]
+    per_hour: Positive
+    daily_profile: DailyProfile = [1.0] * 24
+    at_start: Annotated[int, Field(ge=0, le=100_000)] = 0
+
+
+class OrderFile(Part):
+    """Words arrive as a file says: lines of `seconds,word` or `seconds,E0 T1 A0`, in order of time."""
+
+    kind: Literal["file"]
+    path: str  # relative to the scenario file
+
+
+Orders = Annotated[Backlog | AllOrders | PoissonOrders | OrderFile, Field(discriminator="kind")]
+
+
+class ChosenBundles(Part):
+    """The letter manager decides which letters come in; any kind can be had at any time."""
+
+    kind: Literal["chosen"] = "chosen"
+
+
+class PoissonBundles(Part):
+    """Bundles of kinds that follow the letters of words arrive at random, `per_hour` on average."""
+
+    kind: Literal["poisson"]
+    per_hour: Positive
+    daily_profile: DailyProfile = [1.0] * 24
+    at_start: Annotated[int, Field(ge=0, le=100_000)] = 0
+
+
+class BundleFile(Part):
+    """Bundles arrive as a file says: lines of `seconds,E0`, in order of time."""
+
+    kind: Literal["file"]
+    path: str  # relative to the scenario file
+
+
+Bundles = Annotated[ChosenBundles | PoissonBundles | BundleFile, Field(discriminator="kind")]

@@ -1,0 +1,76 @@
+"""How the floor is laid out, as a scenario says it; the modules of `soup_sim.layouts` make a `Layout` of it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from soup_msgs_py.parameters import Count, Part, Place, Positive
+
+
+class Edge(Part):
+    """One more directed edge between two waypoints, or another weight for one that is there."""
+
+    start: Place
+    end: Place
+    weight: Positive = 1.0  # cost per metre; 1 is normal
+
+
+class Highway(Part):
+    """Edges along a straight line cost `weight` times as much in its direction; below 1 attracts traffic."""
+
+    start: Place
+    end: Place
+    weight: Positive = 1.0
+    one_way: bool = False  # no edge leads against its direction
+
+
+class _WaypointGraph(Part):
+    """What all layouts have in common; see the modules of `soup_sim.layouts`."""
+
+    pitch_m: Positive = 3.0  # between neighbouring waypoints
+    edges: list[Edge] = Field(default=[], max_length=10_000)
+    highways: list[Highway] = Field(default=[], max_length=1_000)
+
+
+class _Aisles(_WaypointGraph):
+    """Blocks of storage spots between aisles."""
+
+    aisle_lanes: Annotated[int, Field(ge=1, le=2)] = 2  # 2: one lane a direction
+    margin_columns: Annotated[int, Field(ge=1, le=50)] = 4  # free waypoints in front of the stations
+
+
+class RowsLayout(_Aisles):
+    """Rows of storage spots; every spot is next to an aisle."""
+
+    kind: Literal["rows"] = "rows"
+    block_columns: Count = 2  # storage spots side by side between two aisles
+    block_rows: Count = 10  # storage spots on top of each other between two cross aisles
+
+
+class DenseLayout(_Aisles):
+    """Deep blocks of storage spots: inner buckets must be dug out (the tile problem)."""
+
+    kind: Literal["dense"]
+    block_columns: Count = 6
+    block_rows: Count = 8
+
+
+class HexagonalLayout(_Aisles):
+    """Blocks of two columns, one shifted by half a pitch: round buckets packed like a honeycomb."""
+
+    kind: Literal["hexagonal"]
+    block_rows: Count = 10
+
+
+class MapLayout(_WaypointGraph):
+    """A floor drawn in a text file, one character a waypoint."""
+
+    kind: Literal["map"]
+    path: str  # relative to the scenario file
+    # how many times more a lane costs against its arrow; null forbids it
+    wrong_way: Annotated[float, Field(ge=1, allow_inf_nan=False)] | None = 5.0
+
+
+Layout_ = Annotated[RowsLayout | DenseLayout | HexagonalLayout | MapLayout, Field(discriminator="kind")]
