@@ -144,9 +144,7 @@ def test_a_wrong_option_is_told_in_one_line(arguments: list[str], told: str, cap
 def test_results_cannot_go_where_a_file_is(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = written(tmp_path)
     assert main([str(path), "--out", str(path)]) == 2
-    assert capsys.readouterr().err == (
-        f"--out: found {path}: File exists; allowed: a folder that can be written\n"
-    )
+    assert capsys.readouterr().err == (f"--out: found {path}: File exists; allowed: a folder that can be written\n")
 
 
 def test_a_cluster_that_does_not_answer_is_told(

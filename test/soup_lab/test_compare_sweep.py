@@ -152,9 +152,7 @@ def test_the_table_for_a_readme_has_a_line_for_each_variant(done: tuple[Path, Pa
     assert len({line.count("|") for line in lines[:7]}) == 1
 
 
-def test_the_same_sweep_gives_the_same_results_whatever_the_order_of_the_runs(
-    done: tuple[Path, Path], tmp_path: Path
-):
+def test_the_same_sweep_gives_the_same_results_whatever_the_order_of_the_runs(done: tuple[Path, Path], tmp_path: Path):
     assert main([str(done[0]), "--out", str(tmp_path), "--processes", "1"]) == 0
     assert timeless(tmp_path) == timeless(done[1])
 
@@ -262,7 +260,9 @@ def test_code_that_changes_while_the_sweep_starts_makes_it_start_again(
 
 
 def test_a_cluster_of_dask_gives_the_same_results(done: tuple[Path, Path], tmp_path: Path):
-    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None, host="127.0.0.1") as cluster:
+    small: Any = {"n_workers": 1, "threads_per_worker": 1, "host": "127.0.0.1", "dashboard_address": None}
+    cluster: Any
+    with LocalCluster(**small) as cluster:
         status = main([str(done[0]), "--out", str(tmp_path), "--scheduler", cluster.scheduler_address])
     assert status == 0
     assert timeless(tmp_path) == timeless(done[1])
@@ -287,8 +287,9 @@ def test_a_process_that_is_killed_is_told_and_what_was_done_is_kept(
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=["Ctrl-C", "killed"])
 def test_a_sweep_that_is_stopped_leaves_no_process_and_goes_on_later(tmp_path: Path, number: signal.Signals):
     path, out = written(tmp_path, duration_s=50_000, seeds=[1], warmup_s=0), tmp_path / "out"
-    program = [sys.executable, str(ROOT / "scripts/compare_policies.py"), str(path), "--out", str(out)]
-    process = subprocess.Popen(program, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
+    program = "import sys; from soup_lab.compare_cli import main; sys.exit(main(sys.argv[1:]))"
+    command = [sys.executable, "-c", program, str(path), "--out", str(out), "--processes", "2"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
     try:
         starter = psutil.Process(process.pid)
         deadline = time.monotonic() + 60.0
@@ -307,6 +308,17 @@ def test_a_sweep_that_is_stopped_leaves_no_process_and_goes_on_later(tmp_path: P
         assert err.splitlines()[-1] == f"stopped before the end; the same command goes on with what is in {out}"
     with Store(out):
         pass  # nobody holds it
+
+
+def test_the_small_experiment_that_comes_with_the_warehouse_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path = ROOT / "config/experiments/small.yaml"
+    assert main([str(path), "--out", str(tmp_path), "--replications", "1"]) == 0
+    said = capsys.readouterr().out
+    for name in ("best (base)", "oldest word", "minimal", "4 bots", "12 bots (base)"):
+        assert name in said
+    rates = {line["variant"]: line["summary"]["words_per_second"] for line in results(tmp_path)}
+    assert len(rates) == 7
+    assert rates["best"] > 2 * rates["decisions: minimal"]
 
 
 def test_jobs_are_made_seed_by_seed(done: tuple[Path, Path]):
