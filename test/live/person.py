@@ -13,8 +13,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from soup_msgs import msg
 
+NEWEST = QoSProfile(depth=1)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-PATIENCE_S = 60.0
+PATIENCE_S = 240.0
 
 
 class Person:
@@ -38,7 +39,7 @@ class Person:
 
     def listen(self, kind: type, topic: str, latched: bool = False) -> None:
         """Keep the newest message of a topic in `heard`."""
-        profile = LATCHED if latched else 10
+        profile = LATCHED if latched else NEWEST
         self.node.create_subscription(kind, topic, lambda message: self.heard.__setitem__(topic, message), profile)
 
     def wait(self, condition: Any, what: str) -> None:
@@ -79,7 +80,7 @@ class Person:
             dx, dy = (goal - is_at for goal, is_at in zip((x, y), self.place(bot), strict=True))
             away = math.hypot(dx, dy)
             calm = calm + 1 if away < within else 0
-            speed = 0.0 if away < within else min(1.5 * away, 3.0)
+            speed = 0.0 if away < within else min(away, 3.0)
             twist = Twist()
             twist.linear.x, twist.linear.y = speed * dx / max(away, 1e-9), speed * dy / max(away, 1e-9)
             steering.publish(twist)

@@ -10,7 +10,7 @@ import pytest
 from .conftest import Parts
 from .person import Person
 
-pytestmark = [pytest.mark.live, pytest.mark.timeout(120)]
+pytestmark = [pytest.mark.live, pytest.mark.timeout(300)]
 
 # program and arguments, and what the line must say
 WRONG = {

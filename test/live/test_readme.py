@@ -54,17 +54,17 @@ def test_the_readme_has_commands() -> None:
 
 
 @pytest.mark.live
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 @pytest.mark.parametrize("line", [line for line in ALONE if line not in (UNTIL_CTRL_C, THESE_TESTS)])
 def test_a_command_that_ends_by_itself_ends_well(reader: Parts, line: str) -> None:
     process = typed(reader, line)
-    out, err = process.communicate(timeout=240)
+    out, err = process.communicate(timeout=500)
     assert process.returncode == 0, err
     assert "violations" in out
 
 
 @pytest.mark.live
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(600)
 def test_the_live_warehouse_runs_until_ctrl_c(reader: Parts) -> None:
     process = typed(reader, UNTIL_CTRL_C, "--port", free_port())
     wait_for_event("grabbed")
@@ -74,7 +74,7 @@ def test_the_live_warehouse_runs_until_ctrl_c(reader: Parts) -> None:
 
 
 @pytest.mark.live
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(600)
 def test_the_parts_in_their_own_terminals_move_letters(reader: Parts) -> None:
     world, *others = TOGETHER[0]
     more = {"run_dashboard": ("--port", free_port())}

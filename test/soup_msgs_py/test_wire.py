@@ -116,6 +116,10 @@ ONE_TO_ONE = {
     "letters to deliver": st.builds(m.DeliverGoal, int64, int32, int32, some_ints),
     "bundle to store": st.builds(m.StoreGoal, int64, int32, int32, int32, int32),
     "tasks": st.builds(m.Tasks, time, st.lists(states, max_size=3).map(tuple)),
+    "beat": st.builds(m.Beat, time, st.integers(0, 2**64 - 1)),
+    "what a part has heard": st.builds(
+        m.Heard, text, st.integers(0, 2**64 - 1), time | st.just(math.inf), st.booleans()
+    ),
 }
 
 
@@ -255,6 +259,7 @@ NONSENSE = {
     ),
     "a storage spot off the floor": lambda: wire.from_ros(msg.Layout(storage_spots=[4])),
     "a scenario of another version": lambda: wire.from_ros(msg.Scenario(json='{"name": 3}')),
+    "a beat wanted at no time": lambda: wire.from_ros(msg.Heard(next_time=math.nan)),
     "a task of no kind": lambda: wire.from_ros(msg.Tasks(tasks=[msg.Task(kind="dance")])),
     "a trip over nowhere": lambda: wire.trip_goal(
         action.CarryTrip.Goal(trip=msg.Trip(fetch_route=[path_of(1, math.nan).poses[0].pose.position])), 0

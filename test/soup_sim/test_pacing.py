@@ -29,6 +29,13 @@ def test_a_machine_that_is_late_runs_slower_instead_of_jumping():
     assert pacer.until(60.0, 0.0) == pytest.approx(5.0 * LONGEST_STRIDE_S)
 
 
+def test_a_world_that_had_to_wait_for_a_moment_catches_up():
+    pacer = Pacer(5.0, math.inf)
+    pacer.until(0.0, 0.0)
+    assert pacer.until(0.02, 0.0) == pytest.approx(0.1)
+    assert pacer.until(0.04, 0.0) == pytest.approx(0.2)
+
+
 def test_a_paused_world_stands_and_its_wall_time_does_not_count():
     pacer = Pacer(1.0, math.inf, paused=True)
     assert [pacer.until(wall, 3.0) for wall in (0.0, 1.0, 2.0)] == [3.0, 3.0, 3.0]

@@ -37,11 +37,12 @@ from soup_msgs_py.messages import (
     TripFeedback,
     TripResult,
 )
-from soup_msgs_py.mind import Message
+from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE
 from soup_msgs_py.wire import Announcement, from_ros, from_stamp, to_ros
 
+SAME_S = 1e-6  # simulated; stamps are whole nanoseconds
 ROLE_SEED = 3  # word, letter and fleet manager come before the bots
 
 
@@ -95,11 +96,11 @@ class BotHost:
         }
         self._follower = Follower(
             live, node, self._report, self._make_crew, self._carry, self._missing,
-            concerns=lambda event: event.type in FOR_BOTS,
+            concerns=lambda event: event.type in FOR_BOTS, looks=self._next_look,
         )  # fmt: skip
         live.follow(node, msg.BotReply, topics.REPLIES, self._on_reply, EVERY_ONE)
-        live.subscribe(node, msg.Buckets, topics.BUCKETS, self._on_buckets, DISPLAY, raw=True)
-        live.subscribe(node, msg.Bots, topics.BOTS, self._on_bots, DISPLAY, raw=True)
+        live.subscribe(node, msg.Buckets, topics.SENSED_BUCKETS, self._on_buckets, DISPLAY, raw=True)
+        live.subscribe(node, msg.Bots, topics.SENSED_BOTS, self._on_bots, DISPLAY, raw=True)
 
     def _make_crew(self, announcement: Announcement) -> Crew:
         last, count = max(self._numbers), announcement.scenario.bots
@@ -107,10 +108,11 @@ class BotHost:
             raise InputError("bots", "", f"bot {last}", f"0 to {count - 1}, which the world has")
         children = np.random.SeedSequence([self._seed, 1]).spawn(ROLE_SEED + 1)[ROLE_SEED].spawn(last + 1)
         rng = np.random.Generator(np.random.PCG64(children[last]))
-        self._next_sense = 0.0
         steering, another = (load_policy(self._choice, "bot", KNOWN, Steering) for _ in range(2))
         rehearse(announcement.scenario, announcement.layout, another, np.random.default_rng(self._seed))
-        return Crew(announcement.scenario, announcement.layout, self._numbers, steering, rng)
+        crew = Crew(announcement.scenario, announcement.layout, self._numbers, steering, rng)
+        self._next_sense = announcement.time + crew.sense_offset_s
+        return crew
 
     def _missing(self) -> str:
         if self._requests.get_subscription_count() == 0:
@@ -134,13 +136,17 @@ class BotHost:
     def _on_buckets(self, cdr: bytes) -> None:
         self._buckets = cdr
 
+    def _next_look(self) -> float:
+        crew = self._follower.mind
+        return self._next_sense if isinstance(crew, Crew) and crew.wants_to_sense else NEVER
+
     def _on_bots(self, cdr: bytes) -> None:
         crew = self._follower.mind
         if not isinstance(crew, Crew) or not self._follower.in_step or not crew.wants_to_sense or not self._buckets:
             return
         poses = deserialize_message(cdr, msg.Bots)
         now = from_stamp(poses.header.stamp)
-        if now < self._next_sense:
+        if now < self._next_sense - SAME_S:
             return
         self._next_sense = now + crew.sense_period_s
         self._follower.now = max(self._follower.now, now)

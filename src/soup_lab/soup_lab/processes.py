@@ -8,14 +8,15 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import IO
 
 from soup_lab.part import STARTER
+from soup_msgs_py.live.process import Lateness
 
-GRACE_S = 2.3  # to end in order; then killed
+GRACE_S = 2.8  # to end in order; then killed. Parts give up by themselves before
+LOOK_S = 0.05
 LAST_BYTES = 4096
 
 
@@ -80,12 +81,13 @@ class Processes:
         for name in chosen:
             if self.status(name) is None:
                 self._running[name][0].send_signal(signal.SIGINT)
-        deadline = time.monotonic() + GRACE_S
+        late = {name: Lateness(self._running[name][0].pid) for name in chosen}
         killed = []
         for name in chosen:
             process, _ = self._running[name]
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(max(0.0, deadline - time.monotonic()))
+            while process.poll() is None and late[name].seconds() < GRACE_S:
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    process.wait(LOOK_S)
             if process.poll() is None:
                 process.kill()
                 process.wait()

@@ -25,7 +25,7 @@ from soup_msgs_py import topics
 from soup_msgs_py.errors import RunError
 from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import PartsWatch
+from soup_msgs_py.live.report import WAITS, PartsWatch
 from soup_msgs_py.policies import ROLES, load_policies
 from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
@@ -36,7 +36,8 @@ WORLD = "world"
 FLEET = "fleet manager"
 OTHERS = 5  # processes besides the bots'
 BOTS_A_PROCESS = 64  # where the machine has that many cores
-READY_S, READY_A_BOT_S = 180.0, 0.5  # the longest start: code is compiled in the first one
+READY_S, READY_A_BOT_S = 400.0, 0.5  # the longest start: code is compiled in the first one
+SLOW = 0.9  # share of the speed that was asked for below which a run is slow
 PLAIN_PROGRESS_S = 10.0  # between two lines where no terminal is
 
 
@@ -91,10 +92,14 @@ def run(options: argparse.Namespace) -> int:
         summary_file = Path(folder) / "summary.json"
         parts = make_parts(options, groups, summary_file)
         processes = Processes()
-        show = Progress(console, options.duration)
+        show = Progress(console, options.duration, options.speed)
         try:
             watch = PartsWatch(live, node)
-            live.subscribe(node, msg.Statistics, topics.STATISTICS, lambda m: show(from_statistics(m)), DISPLAY)
+
+            def show_figures(message: msg.Statistics) -> None:
+                show(from_statistics(message), watch.at_work.get(WORLD, {}).get(WAITS, ""))
+
+            live.subscribe(node, msg.Statistics, topics.STATISTICS, show_figures, DISPLAY)
             for part in parts:
                 processes.start(part)
             get_ready(live, node, processes, watch, [part.name for part in parts], bots)
@@ -190,26 +195,28 @@ def obituary(processes: Processes) -> str:
 class Progress:
     """The line that tells how the run goes: rewritten on a terminal, now and then a new one elsewhere."""
 
-    def __init__(self, console: Console, duration: float | None) -> None:
+    def __init__(self, console: Console, duration: float | None, speed: float) -> None:
         """Begin with nothing shown.
 
         Args:
             console: Where to show it.
             duration: Simulated seconds of the run, if it has an end.
+            speed: Simulated seconds a wall second that were asked for.
         """
-        self._console = console
+        self._console, self._speed = console, speed
         self._of = f" of {duration:,.0f}" if duration is not None else ""
         self._status = console.status("the parts are starting") if console.is_terminal else None
         self._next = 0.0
         if self._status is not None:
             self._status.start()
 
-    def __call__(self, figures: dict[str, float | int]) -> None:
-        """Show the newest figures."""
+    def __call__(self, figures: dict[str, float | int], waits: str) -> None:
+        """Show the newest figures; of a run that is slow also how much the world waits, and for whom."""
+        slow = f" of {self._speed:g}, waits {waits}" if figures["real_time_factor"] < SLOW * self._speed else ""
         line = (
             f"{figures['sim_seconds']:,.0f}{self._of} s · words {figures['words_completed']} · letters "
             f"{figures['letters_in_words']} · collisions {figures['bot_collisions']} + "
-            f"{figures['bucket_collisions']} · real-time factor {figures['real_time_factor']:.2f}"
+            f"{figures['bucket_collisions']} · real-time factor {figures['real_time_factor']:.2f}{slow}"
         )
         if self._status is not None:
             self._status.update(line)

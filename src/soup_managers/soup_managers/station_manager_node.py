@@ -20,7 +20,7 @@ from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import DELIVER, AssignBundle, AssignWord, CancelTask, DeliverGoal, StoreGoal, TaskResult
 from soup_msgs_py.mind import Message, Mind
 from soup_msgs_py.policies import PolicyChoice, load_policies
-from soup_msgs_py.qos import LATCHED
+from soup_msgs_py.qos import EVERY_ONE, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
 
 ROLES = ("word", "letter", "fleet")
@@ -60,7 +60,7 @@ class StationManagerNode:
         """
         self._live, self._kind = live, kind
         node = live.node(name)
-        self._world = node.create_client(*service)
+        self._world = node.create_client(*service, qos_profile=EVERY_ONE)
         self._fleet = GoalClient(live, node, *action)
         self._waits_for_fleet = f"waits for the fleet manager (nobody serves {action[1]})"
         self._waits_for_world = f"waits for the world (nobody serves {service[1]})"

@@ -470,3 +470,36 @@ class Bound:
     time: float
     buckets: tuple[int, ...]
     stations: tuple[int, ...]
+
+
+# ---- pace ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Beat:
+    """The world has spoken, and time stays at this instant until every part that thinks has heard it.
+
+    Attributes:
+        time: Simulated time (s).
+        number: Counts the beats, from 1 on.
+    """
+
+    time: float
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Heard:
+    """A part has heard the world up to a beat, and has said all that it wants in return.
+
+    Attributes:
+        part: Its name.
+        beat: Number of the beat, 0 for none yet.
+        next_time: Simulated time (s) at which it wants another beat at the latest; infinity: when something happens.
+        leaves: Whether the world is not to wait for it any more.
+    """
+
+    part: str
+    beat: int
+    next_time: float
+    leaves: bool = False

@@ -21,6 +21,12 @@ STATISTICS = "/world/statistics"
 MARKERS = "/visualization_marker_array"
 DIAGNOSTICS = "/diagnostics"
 
+# The world keeps the parts in step: it says that it has spoken, each says that it has heard
+BEAT = "/world/beat"
+HEARD = "/world/heard"
+SENSED_BOTS = "/world/sensed/bots"
+SENSED_BUCKETS = "/world/sensed/buckets"
+
 # The world is asked
 REQUESTS = "/world/requests"
 PAUSE = "/world/pause"

@@ -28,6 +28,7 @@ class Pacer:
         self.paused = paused
         self.wall_seconds = 0.0
         self._wall: float | None = None
+        self._allowed = -float("inf")  # simulated time that wall time allows
         self._pause_at = float("inf")
 
     def pause(self, paused: bool) -> None:
@@ -43,6 +44,8 @@ class Pacer:
     def until(self, wall: float, now: float) -> float:
         """How far the world may go.
 
+        A world that has not gone as far as it might, because it waited, may catch up a little later.
+
         Args:
             wall: Any clock of wall time (s).
             now: The simulated time that the world has reached (s).
@@ -55,6 +58,8 @@ class Pacer:
         if now >= self._pause_at:
             self.pause(True)
         if self.paused or now >= self.end:
+            self._allowed = now
             return now
         self.wall_seconds += elapsed
-        return max(now, min(now + min(elapsed, LONGEST_STRIDE_S) * self.speed, self._pause_at, self.end))
+        self._allowed = min(max(self._allowed, now) + elapsed * self.speed, now + LONGEST_STRIDE_S * self.speed)
+        return max(now, min(self._allowed, self._pause_at, self.end))

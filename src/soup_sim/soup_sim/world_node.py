@@ -22,9 +22,9 @@ from soup_msgs_py.arguments import Parser, add_run, add_scenario, add_speed, che
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.domain import only_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import PartsWatch, Report
+from soup_msgs_py.live.report import WAITS, PartsWatch, Report
 from soup_msgs_py.live.services import Answer, serve
-from soup_msgs_py.messages import BotReply, Event, Reply
+from soup_msgs_py.messages import BotReply, Event, Heard, Reply
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, PolicyChoice
 from soup_msgs_py.qos import COMMANDS, DISPLAY, EVERY_ONE, LATCHED
@@ -43,6 +43,7 @@ from soup_msgs_py.wire import (
     to_statistics,
 )
 from soup_sim.checkpoint import write_checkpoint
+from soup_sim.listeners import PATIENCE_S, Listeners
 from soup_sim.markers_node import Markers
 from soup_sim.pacing import Pacer
 from soup_sim.rehearsal import rehearse
@@ -93,6 +94,11 @@ class WorldNode:
         self._stations = node.create_publisher(msg.Stations, topics.STATIONS, DISPLAY)
         self._events = node.create_publisher(msg.Event, topics.EVENTS, EVERY_ONE)
         self._replies = node.create_publisher(msg.BotReply, topics.REPLIES, EVERY_ONE)
+        self._listeners = Listeners()
+        self._unheard = False  # whether the world has said something since the last beat
+        self._beat = node.create_publisher(msg.Beat, topics.BEAT, LATCHED)
+        self._sensed_bots = node.create_publisher(msg.Bots, topics.SENSED_BOTS, DISPLAY)
+        self._sensed_buckets = node.create_publisher(msg.Buckets, topics.SENSED_BUCKETS, DISPLAY)
         self._statistics = node.create_publisher(msg.Statistics, topics.STATISTICS, DISPLAY)
         self._markers = Markers(node, world.scenario, world.layout)
         self._parts = PartsWatch(live, node)
@@ -107,6 +113,7 @@ class WorldNode:
         live.every(SNAPSHOT_S, self._publish_snapshot)
         live.every(STATIONS_S, lambda: self._stations.publish(to_ros(world.stations())))
         live.every(STATISTICS_S, self._publish_statistics)
+        live.every(STATISTICS_S, self._report_waits)
         live.every(MARKERS_S, lambda: self._markers.publish(world.bots(), world.buckets()))
 
     def _listen(self, node: Any) -> None:
@@ -115,6 +122,7 @@ class WorldNode:
             velocity, path = topics.bot_topic(bot, topics.CMD_VEL), topics.bot_topic(bot, topics.PATH)
             live.subscribe(node, Twist, velocity, lambda m, bot=bot: self._ask(from_twist(m, bot)), COMMANDS)
             live.subscribe(node, RosPath, path, lambda m, bot=bot: self._ask(from_path(m, bot)), COMMANDS)
+        live.follow(node, msg.Heard, topics.HEARD, self._on_heard, EVERY_ONE)
         live.subscribe(node, msg.BotRequest, topics.REQUESTS, lambda m: self._ask(from_bot_request(m, bots)), EVERY_ONE)
         serve(live, node, srv.AssignWord, topics.ASSIGN_WORD, self._on_assign_word)
         serve(live, node, srv.AssignBundle, topics.ASSIGN_BUNDLE, self._on_assign_bundle)
@@ -160,17 +168,35 @@ class WorldNode:
             self._live.stop()
 
     def _advance(self) -> None:
-        until = self._pacer.until(time.monotonic(), self._world.now)
-        if until > self._world.now:
-            self._tell(self._world.advance(until))
+        """Go as far as the pace allows, but not past an instant at which something was said that a part has to hear."""
+        wall, world = time.monotonic(), self._world
+        until = self._pacer.until(wall, world.now)
+        while not self._listeners.wait(wall, paused=self._pacer.paused):
+            if not self._unheard:
+                self._tell(world.advance(max(world.now, min(until, self._listeners.next_time)), pause=True))
+            if self._listeners.next_time <= world.now:
+                self._sensed_buckets.publish(to_ros(world.buckets()))
+                self._sensed_bots.publish(to_ros(world.bots()))
+            elif not self._unheard:
+                return
+            self._unheard = False
+            self._beat.publish(to_ros(self._listeners.beat(world.now, wall)))
+
+    def _on_heard(self, heard: Heard) -> None:
+        self._listeners.hear(heard, time.monotonic())
+        self._advance()
 
     def _ask(self, message: Message) -> Reply | None:
         """Hand a request to the world at the time that it is now; its answer to a manager."""
         self._advance()
-        return self._tell(self._world.handle(message))
+        answer = self._tell(self._world.handle(message))
+        if self._unheard:
+            self._advance()
+        return answer
 
     def _tell(self, said: list[Event | BotReply | Reply]) -> Reply | None:
         answer = None
+        self._unheard |= bool(said)
         for message in said:
             if isinstance(message, Event):
                 self._record.event(message)
@@ -246,6 +272,14 @@ class WorldNode:
 
     def _publish_snapshot(self) -> None:
         self._snapshot.publish(to_ros(self._world.snapshot()))
+
+    def _report_waits(self) -> None:
+        self._report.values[WAITS] = self._listeners.waited(time.monotonic())
+        lost = self._listeners.lost
+        if lost:
+            self._report.waits(f"goes on without {', '.join(lost)}, silent for {PATIENCE_S:g} s")
+        else:
+            self._report.works()
 
     def _publish_statistics(self) -> None:
         world, wall = self._world, self._pacer.wall_seconds

@@ -50,6 +50,9 @@ class GoalServer(ActionServer):
             lambda _handle: kind.Result(),
             goal_callback=self._on_goal,
             cancel_callback=self._on_cancel,
+            goal_service_qos_profile=EVERY_ONE,
+            result_service_qos_profile=EVERY_ONE,
+            cancel_service_qos_profile=EVERY_ONE,
             feedback_pub_qos_profile=EVERY_ONE,
             result_timeout=RESULTS_KEPT_S,
         )
@@ -95,7 +98,15 @@ class GoalClient:
 
     def __init__(self, live: Live, node: Node, kind: Any, name: str) -> None:
         """Look for the server."""
-        self.client = ActionClient(node, kind, name, feedback_sub_qos_profile=EVERY_ONE)
+        self.client = ActionClient(
+            node,
+            kind,
+            name,
+            goal_service_qos_profile=EVERY_ONE,
+            result_service_qos_profile=EVERY_ONE,
+            cancel_service_qos_profile=EVERY_ONE,
+            feedback_sub_qos_profile=EVERY_ONE,
+        )
         self._live = live
         self._goals: dict[int, _Goal] = {}
         self._unsent: list[_Goal] = []

@@ -14,10 +14,10 @@ from soup_msgs_py import topics
 from soup_msgs_py.event_stream import EventStream
 from soup_msgs_py.live.process import Live
 from soup_msgs_py.live.report import Report
-from soup_msgs_py.messages import Event, Snapshot
-from soup_msgs_py.mind import Message, Mind
+from soup_msgs_py.messages import Beat, Event, Heard, Snapshot
+from soup_msgs_py.mind import NEVER, Message, Mind
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
-from soup_msgs_py.wire import Announcement, from_ros, from_stamp
+from soup_msgs_py.wire import Announcement, from_ros, from_stamp, to_ros
 
 LOOK_S = 0.1  # how often a part that waits looks whether it still has to
 
@@ -27,6 +27,9 @@ class Follower:
 
     Until the part is ready (`missing` says what it still waits for) and in step with the events, the mind is
     told nothing. A world that is started again is noticed by the number of its run: the mind is then made anew.
+
+    The world waits for everybody who follows: at each beat the follower says that it has heard the world so far,
+    after all that its mind has said in return, and when it wants the next beat at the latest.
 
     Attributes:
         mind: The mind; None before the world has been heard of.
@@ -44,6 +47,7 @@ class Follower:
         carry: Callable[[list[Message]], None],
         missing: Callable[[], str],
         concerns: Callable[[Event], bool] | None = None,
+        looks: Callable[[], float] = lambda: NEVER,
     ) -> None:
         """Begin to follow.
 
@@ -55,23 +59,31 @@ class Follower:
             carry: Takes what the mind says.
             missing: What the part waits for besides the world; empty for nothing.
             concerns: Which events the mind is told; all without.
+            looks: The simulated time (s) at which the mind wants to look around next.
         """
         self.mind: Mind | None = None
         self.announcement: Announcement | None = None
         self.now = 0.0
         self.begun = False
+        self._name = live.name
         self._report = report
         self._make_mind = make_mind
         self._carry = carry
         self._missing = missing
         self._concerns = concerns
+        self._looks = looks
+        self._beat = 0  # number of the newest one
+        self._asked_for = NEVER  # the next beat
+        self._heard = node.create_publisher(msg.Heard, topics.HEARD, EVERY_ONE)
         self._stream = EventStream()
         self._snapshot: Snapshot | None = None  # the newest one, while it may be needed
         live.follow(node, msg.Scenario, topics.SCENARIO, self._on_announcement, LATCHED)
         live.subscribe(node, Clock, topics.CLOCK, self._on_clock, DISPLAY)
+        live.follow(node, msg.Beat, topics.BEAT, self._on_beat, LATCHED)
         live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE)
         live.subscribe(node, msg.Snapshot, topics.SNAPSHOT, self._on_snapshot, LATCHED, raw=True)
         live.every(LOOK_S, self._look)
+        live.at_end(lambda: self._heard.publish(to_ros(Heard(self._name, self._beat, NEVER, leaves=True))))
 
     @property
     def in_step(self) -> bool:
@@ -82,6 +94,8 @@ class Follower:
         """Hand a message to the mind, and what it says to `carry`."""
         if self.mind is not None:
             self._carry(self.mind.handle(message, self.now))
+            if self.begun and self._next() < self._asked_for:
+                self._say_heard()
 
     def _on_announcement(self, announcement: Announcement) -> None:
         if self.announcement is not None and self.announcement.run == announcement.run:
@@ -95,6 +109,20 @@ class Follower:
     def _on_clock(self, clock: Clock) -> None:
         self.now = self._report.time = from_stamp(clock.clock)
         self._wake()
+
+    def _on_beat(self, beat: Beat) -> None:
+        self._beat = beat.number
+        self.now = max(self.now, beat.time)
+        if self.begun:
+            self._wake()
+            self._say_heard()
+
+    def _say_heard(self) -> None:
+        self._asked_for = self._next()
+        self._heard.publish(to_ros(Heard(self._name, self._beat, self._asked_for)))
+
+    def _next(self) -> float:
+        return min(self.mind.next_wake, self._looks()) if self.mind is not None and self.in_step else NEVER
 
     def _wake(self) -> None:
         if self.mind is not None and self.in_step and self.mind.next_wake <= self.now:
@@ -130,6 +158,7 @@ class Follower:
             if self.in_step:
                 self._snapshot = None
                 self.begun = True
+                self._say_heard()
                 self._report.works()
 
     def _hear(self, messages: list[Any]) -> None:

@@ -12,6 +12,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -26,7 +27,8 @@ from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.wire import MalformedMessage, from_ros
 
 LONGEST_WAIT_S = 0.1  # between two looks at the signals
-LONGEST_END_S = 2.5  # then the process ends without having taken leave
+LONGEST_END_S = 2.5  # then the process ends without having taken leave; a busy machine gets more
+LONGEST_WALL = 4.0  # times as long, whatever the machine does meanwhile
 LEAVES = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -52,6 +54,7 @@ class Live:
         self._error: BaseException | None = None
         self._nodes: list[Node] = []
         self._periodic: list[_Periodic] = []
+        self._farewells: list[Callable[[], None]] = []
         self._handlers = {number: signal.signal(number, self._on_signal) for number in LEAVES}
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._executor = EventsExecutor()
@@ -99,6 +102,10 @@ class Live:
     def every(self, period_s: float, function: Callable[[], None]) -> None:
         """Call a function about every `period_s` seconds of wall time, never sooner after its last end."""
         self._periodic.append(_Periodic(period_s, self.guard(function)))
+
+    def at_end(self, function: Callable[[], None]) -> None:
+        """Call a function before the process leaves the graph."""
+        self._farewells.append(function)
 
     def stop(self, error: BaseException | None = None) -> None:
         """End `spin` after the callback that runs now; with an error, `spin` raises it."""
@@ -149,21 +156,54 @@ class Live:
         self._stopping = True
         if not rclpy.ok():
             return
-        last = threading.Timer(LONGEST_END_S, os._exit, [1 if self._error else 0])
-        last.daemon = True
-        last.start()
+        gone = threading.Event()
+        threading.Thread(target=self._end_at_last, args=(gone,), daemon=True).start()
+        for farewell in self._farewells:
+            farewell()
         for node in self._nodes:
             self._executor.remove_node(node)
             node.destroy_node()
         self._executor.shutdown()
         rclpy.try_shutdown()
-        last.cancel()
+        gone.set()
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
+
+    def _end_at_last(self, gone: threading.Event) -> None:
+        late = Lateness()
+        while late.seconds() < LONGEST_END_S:
+            if gone.wait(LONGEST_WAIT_S):
+                return
+        os._exit(1 if self._error else 0)
 
     def _on_signal(self, number: int, _frame: object) -> None:
         self.ended_by = number
         self._stopping = True
+
+
+class Lateness:
+    """How long ago something began, without the time that the machine took from a process.
+
+    Args:
+        process: Its number; without: this process.
+    """
+
+    def __init__(self, process: int | None = None) -> None:
+        """Begin now."""
+        self._file = Path(f"/proc/{'self' if process is None else process}/schedstat")
+        self._began = time.monotonic()
+        self._queued_s = self._queued()
+
+    def seconds(self) -> float:
+        """Wall time since then in which the process ran or slept, not those in which it waited for a processor."""
+        wall = time.monotonic() - self._began
+        return max(wall / LONGEST_WALL, wall - (self._queued() - self._queued_s))
+
+    def _queued(self) -> float:
+        try:
+            return int(self._file.read_text().split()[1]) * 1e-9
+        except (OSError, ValueError, IndexError):  # a machine that does not tell, or the process has ended
+            return 0.0
 
 
 class _Periodic:

@@ -16,6 +16,7 @@ from soup_msgs_py.wire import to_stamp
 PERIOD_S = 1.0
 PATIENCE_S = 1.0  # a wait that takes longer is told on stderr, once
 AT_WORK = "at work"
+WAITS = "waits"  # the value that says how much the world waits for the others
 
 
 class Report:

@@ -11,6 +11,7 @@ from rclpy.node import Node
 
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.process import Live
+from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import MalformedMessage, fill_result
 
 
@@ -60,6 +61,6 @@ def serve(live: Live, node: Node, kind: type, name: str, take: Callable[[Any, An
         if answer is not None:
             answer.address(header)
 
-    service: Any = node.create_service(kind, name, live.guard(on_request))
+    service: Any = node.create_service(kind, name, live.guard(on_request), qos_profile=EVERY_ONE)
     send = service.send_response
     service.send_response = keep

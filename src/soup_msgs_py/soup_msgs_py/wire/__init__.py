@@ -7,7 +7,8 @@ not trusted: numbers that are none, lengths that do not fit, unknown words, absu
 
 from __future__ import annotations
 
-from soup_msgs_py.wire import state as _state  # noqa: F401  (registers its messages)
+from soup_msgs_py.wire import pace as _pace  # noqa: F401  (registers its messages)
+from soup_msgs_py.wire import state as _state  # noqa: F401  (the same)
 from soup_msgs_py.wire.announcement import Announcement, from_statistics, to_statistics
 from soup_msgs_py.wire.basics import (
     MalformedMessage,

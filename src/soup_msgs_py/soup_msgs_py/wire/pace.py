@@ -1,0 +1,32 @@
+"""What keeps the world and the parts that think in step."""
+
+from __future__ import annotations
+
+import math
+
+from soup_msgs import msg
+
+from soup_msgs_py.messages import Beat, Heard
+from soup_msgs_py.wire.basics import MalformedMessage, from_ros, from_stamp, to_ros, to_stamp
+
+
+@to_ros.register
+def _(beat: Beat) -> msg.Beat:
+    return msg.Beat(stamp=to_stamp(beat.time), number=beat.number)
+
+
+@from_ros.register
+def _(beat: msg.Beat) -> Beat:
+    return Beat(from_stamp(beat.stamp), beat.number)
+
+
+@to_ros.register
+def _(heard: Heard) -> msg.Heard:
+    return msg.Heard(part=heard.part, beat=heard.beat, next_time=heard.next_time, leaves=heard.leaves)
+
+
+@from_ros.register
+def _(heard: msg.Heard) -> Heard:
+    if math.isnan(heard.next_time):
+        raise MalformedMessage("a time that is no number")
+    return Heard(heard.part, heard.beat, heard.next_time, heard.leaves)

@@ -1,0 +1,86 @@
+"""Whom the world waits for, and whom no longer. It knows no clock; wall time comes in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from soup_msgs_py.messages import Beat, Heard
+from soup_msgs_py.mind import NEVER
+
+PATIENCE_S = 10.0  # wall time; a part that is silent for longer is waited for no more, until it speaks again
+
+
+@dataclass(slots=True)
+class _Listener:
+    heard: int
+    next_time: float
+
+
+class Listeners:
+    """The parts that think, each with the last beat that it has heard.
+
+    The world stays at an instant at which it has said something until all of them have heard it. What they ask
+    for in return takes effect at this very instant, as in one process, however fast the world runs and however
+    busy the machine is. A world too fast for its minds slows down.
+
+    Attributes:
+        lost: Parts that were silent for too long, in the order of their names.
+    """
+
+    def __init__(self) -> None:
+        """Begin with nobody: a part is waited for from the first time that it speaks."""
+        self.lost: tuple[str, ...] = ()
+        self._parts: dict[str, _Listener] = {}
+        self._beats = 0
+        self._since = 0.0
+        self._waited_s: dict[str, float] = {}  # wall time, by the part that was waited for last
+        self._asked = 0.0
+
+    @property
+    def next_time(self) -> float:
+        """The next simulated time (s) at which one of them wants to hear how things are; infinity for never."""
+        return min((part.next_time for part in self._parts.values()), default=NEVER)
+
+    def beat(self, now: float, wall: float) -> Beat:
+        """The beat that tells at simulated time `now` that the world has said something, and waits."""
+        self._beats += 1
+        self._since = wall
+        for part in self._parts.values():
+            if part.next_time <= now:
+                part.next_time = NEVER
+        return Beat(now, self._beats)
+
+    def hear(self, heard: Heard, wall: float) -> None:
+        """Take in how far a part is."""
+        waited = bool(self._late())
+        self.lost = tuple(name for name in self.lost if name != heard.part)
+        if heard.leaves:
+            self._parts.pop(heard.part, None)
+        else:
+            self._parts[heard.part] = _Listener(heard.beat, heard.next_time)
+        if waited and not self._late():
+            self._waited_s[heard.part] = self._waited_s.get(heard.part, 0.0) + wall - self._since
+
+    def wait(self, wall: float, *, paused: bool = False) -> bool:
+        """Whether the world has to stay where it is; while it is paused nobody loses its patience."""
+        if paused:
+            self._since = wall
+        late = self._late()
+        if late and wall - self._since > PATIENCE_S:
+            for name in late:
+                del self._parts[name]
+            self.lost = tuple(sorted({*self.lost, *late}))
+            return False
+        return bool(late)
+
+    def waited(self, wall: float) -> str:
+        """How much the world has waited since this was asked last, and for whom most."""
+        elapsed, self._asked = wall - self._asked, wall
+        waited_s, self._waited_s = self._waited_s, {}
+        if not waited_s:
+            return "0 % of the time"
+        most = max(waited_s, key=lambda part: waited_s[part])
+        return f"{100.0 * sum(waited_s.values()) / elapsed:.0f} % of the time, most for {most}"
+
+    def _late(self) -> list[str]:
+        return [name for name, part in self._parts.items() if part.heard < self._beats]
