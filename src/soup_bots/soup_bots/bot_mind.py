@@ -172,6 +172,7 @@ class BotMind(Driver):
         return []
 
     def _on_reply(self, reply: BotReply, now: float) -> list[Message]:
+        self.place = reply.x, reply.y
         if reply.request in self._hands:
             return self._on_hand_reply(reply, now)
         if self._request < 0 or reply.request != self._request:

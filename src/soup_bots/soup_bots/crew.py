@@ -42,6 +42,7 @@ STANDING = 0.1  # share of the maximum speed below which a bot counts as standin
 SAME_VELOCITY = 0.02  # share of the maximum speed by which a velocity must change to be told again
 TOLD_AFTER_S = 2.0  # a bot that stands this long on its way says why
 ASKS_AFTER_S = 3.0  # a bot that waits this long for an idle one asks it to make way
+_MOVING, _PENALISED = int(BotState.MOVING), int(BotState.PENALISED)  # members of an enumeration compare slowly
 IDS_OF_ALL = (EventType.BOT_COLLISION, EventType.BUCKET_COLLISION)
 # the events that a crew has to hear; whatever carries its messages leaves out the others
 FOR_BOTS = frozenset(
@@ -113,9 +114,9 @@ class Crew:
         )
         count = max(scenario.bots, max(bots, default=-1) + 1)
         self._driving = np.zeros(count, np.bool_)
-        self._drivers = 0
+        self._drivers: set[int] = set()  # the same as a set
         self._seen: Bots | None = None
-        self._begun = np.zeros(count, np.int64)  # which of its drives a bot is on
+        self._begun = dict.fromkeys(self.minds, 0)  # which of its drives a bot is on
         self._course = np.zeros((count, 8))  # x, y of: corner behind, next corner, corner after it, end
         self._left = np.zeros(count, np.int32)  # corners that are left
         self._mode = np.zeros(count, np.int8)
@@ -128,8 +129,8 @@ class Crew:
 
     @property
     def wants_to_sense(self) -> bool:
-        """Whether any bot drives by what it senses."""
-        return self._steering.senses and self._drivers > 0
+        """Whether any bot drives, and looks around while it does."""
+        return self._steering.senses and bool(self._drivers)
 
     # ---- messages -----------------------------------------------------------------------------------------
 
@@ -179,19 +180,13 @@ class Crew:
         driving = mind.driving
         if driving and self._begun[bot] != mind.drives:
             self._begun[bot] = mind.drives
-            if not mind.held and not self._may_start(bot, now):
-                mind.hold_back()
-                out[:] = [said for said in out if type(said) is not FollowPath or said.bot != bot]
-            self._stands[bot] = 0
-            self._told[bot] = -1
-            self._command[bot] = 0.0
-            self._mode[bot] = VELOCITY if mind.held else FOLLOW
-            if mind.corner == 0:
-                self._course[bot, 0:2] = np.nan
-            self._set_course(mind)
-        if driving != self._driving[bot]:
+            if self._steering.senses:
+                self._begin_drive(mind, out, now)
+            elif mind.held:
+                out.append(mind.path_from_here(now))
+        if driving != (bot in self._drivers):
             self._driving[bot] = driving
-            self._drivers += 1 if driving else -1
+            self._drivers ^= {bot}
         alarm = self._alarms.get(bot, NEVER)
         if mind.next_wake != alarm:
             if mind.next_wake == NEVER:
@@ -199,6 +194,20 @@ class Crew:
             else:
                 self._alarms[bot] = mind.next_wake
             self.next_wake = min(self._alarms.values(), default=NEVER)
+
+    def _begin_drive(self, mind: BotMind, out: list[Message], now: float) -> None:
+        """Have the steering look after a new drive from now on, and before it begins where somebody is near."""
+        bot = mind.bot
+        if not mind.held and not self._may_start(bot, now):
+            mind.hold_back()
+            out[:] = [said for said in out if type(said) is not FollowPath or said.bot != bot]
+        self._stands[bot] = 0
+        self._told[bot] = -1
+        self._command[bot] = 0.0
+        self._mode[bot] = VELOCITY if mind.held else FOLLOW
+        if mind.corner == 0:
+            self._course[bot, 0:2] = np.nan
+        self._set_course(mind)
 
     def _may_start(self, bot: int, now: float) -> bool:
         """Whether a bot may set off at once: nothing can touch it until the steering looks around again."""
@@ -231,10 +240,10 @@ class Crew:
         """
         out: list[Message] = []
         self._seen = bots
-        if self._drivers == 0:
+        if not self.wants_to_sense:
             return out
-        rows = np.flatnonzero(self._driving & (bots.state <= BotState.MOVING))
-        if len(rows) < self._drivers:
+        rows = (self._driving & (bots.state <= _MOVING)).nonzero()[0]
+        if len(rows) < len(self._drivers):
             self._notice_collisions(bots, now, out)
         if len(rows) == 0:
             return out
@@ -307,7 +316,7 @@ class Crew:
             SAME_VELOCITY * self._limits.max_speed_mps, STANDING * self._limits.max_speed_mps,
             self._say_calls, self._ask_calls,
         )  # fmt: skip
-        at = np.flatnonzero(todo)
+        at = todo.nonzero()[0]
         tell: list[int] = []
         for row, bot, what in zip(at.tolist(), rows[at].tolist(), todo[at].tolist(), strict=True):
             mind = self.minds[bot]
@@ -331,7 +340,7 @@ class Crew:
 
     def _notice_collisions(self, bots: Bots, now: float, out: list[Message]) -> None:
         """A bot in its penalty knows that it has collided, should the event have been lost."""
-        for bot in np.flatnonzero(self._driving & (bots.state == BotState.PENALISED)).tolist():
+        for bot in (self._driving & (bots.state == _PENALISED)).nonzero()[0].tolist():
             mind = self.minds[bot]
             out += mind.collided(now)
             self._look_at(mind, out, now)

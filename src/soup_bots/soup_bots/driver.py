@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+from soup_bots.passing import corner_ahead
 from soup_msgs_py.codes import Phase
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import BotStatus, FollowPath, Point, Trip, TripFeedback
@@ -31,6 +32,7 @@ class Driver:
         route: Corners of the drive that it is on; empty when it is on none.
         stamps: When to be at each of them (s), or empty: as soon as possible.
         corner: How many of them are behind it. The crew, which senses where the bot is, counts this up.
+        place: Where the world last said that it was.
         drives: Counts the drives that were begun, so that the crew notices a new one.
         next_wake: Simulated time (s) when `wake` is due.
     """
@@ -51,6 +53,7 @@ class Driver:
         self.route: tuple[Point, ...] = ()
         self.stamps: tuple[float, ...] = ()
         self.corner = 0
+        self.place: Point | None = None
         self.drives = 0
         self.held = False  # the next path waits for the steering's word
         self.next_wake = NEVER
@@ -98,6 +101,12 @@ class Driver:
         self.held = False
         self._request = self._number(now)
         return FollowPath(self.bot, self._request, self.route[self.corner :], self.stamps[self.corner :])
+
+    def path_from_here(self, now: float) -> FollowPath:
+        """The same for a bot that nobody steers, and that a collision stopped: nobody has counted its corners."""
+        if self.place is not None:
+            self.corner = corner_ahead(self.route, self.corner, self.place)
+        return self.path(now)
 
     def waits(self, reason: str, now: float) -> list[Message]:
         """Tell why the bot stands on its way; an empty reason: it drives again."""

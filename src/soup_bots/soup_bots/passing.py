@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from soup_msgs_py.messages import Floats, Ints
+from soup_msgs_py.messages import Floats, Ints, Point
 
 # all in radii of a bot
 THERE = 0.05  # this near to a corner is at it
@@ -17,6 +18,7 @@ NEAR = 0.55  # looking once a radius, an evading bot is seen within half a radiu
 DIRECT = 12.0  # how far from the end of its route an evading bot may drive straight to it
 START = 2.9  # a bot that has just started is less than 0.9 from where it was, until it is looked at
 CUT = 3.2  # how far from a corner an evading bot may turn to the next one
+ON_LEG_M = 1e-3  # a bot that never evades is on its route but for rounding
 
 
 @njit(cache=True)
@@ -29,6 +31,14 @@ def distance_to_segment(px: float, py: float, ax: float, ay: float, bx: float, b
         share = min(1.0, max(0.0, ((px - ax) * sx + (py - ay) * sy) / length2))
     dx, dy = ax + share * sx - px, ay + share * sy - py
     return math.sqrt(dx * dx + dy * dy)
+
+
+def corner_ahead(route: Sequence[Point], corner: int, place: Point) -> int:
+    """The next corner of a bot that never leaves its route, and had `corner` of them behind it some time ago."""
+    for ahead in range(corner + 1, len(route)):
+        if distance_to_segment(*place, *route[ahead - 1], *route[ahead]) < ON_LEG_M:
+            return ahead
+    return corner
 
 
 @njit(cache=True)

@@ -15,9 +15,14 @@ from soup_sim.statistics import Statistics
 
 # looked up once: an enumeration's members are slow to reach
 _FREE, _MOVING, _PENALISED = BotState.FREE, BotState.MOVING, BotState.PENALISED
+_MOVING_STATE = int(_MOVING)  # and slow to compare with arrays
 Action = Callable[..., None]
 Entry = tuple[float, int, str, tuple[Any, ...]]
 Said = Event | BotReply | Reply
+
+
+def _nothing() -> None:
+    """What there is to do at the end of an instant, if nobody wants anything."""
 
 
 class Agenda:
@@ -25,6 +30,11 @@ class Agenda:
 
     Things due at the same instant happen in the order in which they were put down. Actions go by names, so that the
     agenda can be written down in a checkpoint.
+
+    Attributes:
+        now: Simulated time in seconds.
+        sequence: Number of the last event.
+        at_end_of_instant: Called when nothing more happens now, before time goes on; it may put down more.
     """
 
     def __init__(self) -> None:
@@ -34,6 +44,7 @@ class Agenda:
         self._due: list[Entry] = []
         self._entries = 0
         self._outbox: list[Said] = []
+        self.at_end_of_instant: Callable[[], None] = _nothing
 
     def can(self, **actions: Action) -> None:
         """Make actions known by their names."""
@@ -47,6 +58,7 @@ class Agenda:
     @property
     def next_time(self) -> float:
         """When the next thing is due; infinity for never."""
+        self.at_end_of_instant()
         return self._due[0][0] if self._due else float("inf")
 
     def run(self, until: float, pause: bool = False) -> None:
@@ -55,9 +67,11 @@ class Agenda:
         With `pause`, stop at the first instant at which something was said.
         """
         due = self._due
-        while due and due[0][0] <= until:
-            if pause and self._outbox and due[0][0] > self.now:
-                return
+        while True:
+            if not due or due[0][0] > self.now:
+                self.at_end_of_instant()
+            if not due or due[0][0] > until or (pause and self._outbox and due[0][0] > self.now):
+                break
             self.now, _, action, arguments = heapq.heappop(due)
             self._actions[action](*arguments)
         if not (pause and self._outbox):
@@ -91,8 +105,8 @@ class Common:
         self.statistics = statistics
         self.penalised_until = [0.0] * len(bodies.bucket)
         self.operation: list[BotState | None] = [None] * len(bodies.bucket)
-        self.states = np.zeros(len(bodies.bucket), dtype=np.uint8)  # what `note_state` has noted
-        self.hindered = np.zeros(len(bodies.bucket), dtype=np.bool_)  # busy or penalised
+        self._noted = [_FREE] * len(bodies.bucket)
+        self.states = np.zeros(len(bodies.bucket), dtype=np.uint8)  # the same as an array, for many bots at once
 
     def emit(self, kind: EventType, **fields: Any) -> None:
         """Tell everybody that something happened now."""
@@ -119,14 +133,19 @@ class Common:
     def note_state(self, bot: int) -> None:
         """Tell the statistics what a bot's body does from now on."""
         state = self.state_of(bot)
-        self.states[bot] = state
-        self.hindered[bot] = state > _MOVING or self.agenda.now < self.penalised_until[bot]
-        self.statistics.bot_state(bot, state, self.agenda.now)
+        if state is not self._noted[bot]:
+            self._noted[bot] = state
+            self.states[bot] = state
+            self.statistics.bot_state(bot, state, self.agenda.now)
+
+    def hindered(self, bots: np.ndarray) -> np.ndarray:
+        """Which of many bots are busy or penalised."""
+        return self.states[bots] > _MOVING_STATE
 
     def note_moving(self, bots: np.ndarray) -> None:
         """The same for bots that have got a velocity, and are neither busy nor penalised."""
-        moving = self.bodies.moving[bots]
-        for bot in bots[(self.states[bots] == _MOVING) != moving].tolist():
+        changed = (self.states[bots] == _MOVING_STATE) != self.bodies.moving[bots]
+        for bot in bots[changed].tolist():
             self.note_state(bot)
 
     def hindrance(self, bot: int) -> tuple[Code, str] | None:

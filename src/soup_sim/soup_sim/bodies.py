@@ -21,36 +21,57 @@ _LOOSE = 256  # buckets released within one window
 
 @njit(cache=True)
 def _positions(state, segments, count, t, out):
-    """Position, velocity, heading of all bots at time t, shape (bots, 5)."""
+    """Position, velocity, heading of all bots at time t, shape (5, bots)."""
     for i in range(len(count)):
         x, y, vx, vy, _, _, heading, _, _ = motion.piece_at(state, segments, count, i, t)
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4] = x, y, vx, vy, heading
+        out[0, i], out[1, i], out[2, i], out[3, i], out[4, i] = x, y, vx, vy, heading
 
 
 @njit(cache=True)
-def _change_velocities(bots, state, segments, count, t, vx, vy, V, A, turn_rate, edges, odometer, ends):
+def _bucket_positions(state, segments, count, bucket_xy, carrier, t, out):
+    """Positions of all buckets at time t, shape (2, buckets)."""
+    for b in range(len(carrier)):
+        x, y = bucket_xy[b, 0], bucket_xy[b, 1]
+        if carrier[b] >= 0:
+            x, y, _, _, _, _, _, _, _ = motion.piece_at(state, segments, count, carrier[b], t)
+        out[0, b], out[1, b] = x, y
+
+
+@njit(cache=True)
+def _change_velocities(bots, state, segments, count, t, vx, vy, V, A, turn_rate, edges, odometer, moving, ends):
     """Give many bots target velocities; `ends` receives when each will stand."""
     for k in range(len(bots)):
         i = bots[k]
         odometer[i] += motion.length_of(state, segments, count, i, t)
         motion.plan_velocity(state, segments, count, i, t, vx[k], vy[k], V, A, turn_rate, edges)
         ends[k] = t + motion.duration_of(segments, count, i)
+        moving[i] = ends[k] > t
 
 
 @njit(cache=True)
-def _change_leg(i, state, segments, count, t, gx, gy, V, A, turn_rate, edges, duration, odometer):
+def _change_leg(i, state, segments, count, t, gx, gy, V, A, turn_rate, edges, duration, odometer, moving):
     """Send one bot straight to a goal; returns when it will be there."""
     odometer[i] += motion.length_of(state, segments, count, i, t)
     motion.plan_leg(state, segments, count, i, t, gx, gy, V, A, turn_rate, edges, duration)
-    return t + motion.duration_of(segments, count, i)
+    end = t + motion.duration_of(segments, count, i)
+    moving[i] = end > t
+    return end
 
 
 @njit(cache=True)
-def _stand(i, state, segments, count, t, odometer):
+def _stand(i, state, segments, count, t, odometer, moving):
     """Stop one bot dead where it is at time t."""
     odometer[i] += motion.length_of(state, segments, count, i, t)
     motion.settle(state, segments, count, i, t)
     state[i, 3], state[i, 4] = 0.0, 0.0
+    moving[i] = False
+
+
+@njit(cache=True)
+def _arrive(i, state, segments, count, t, odometer, moving, x, y):
+    """The same at the end of a leg: exactly on its goal, free of rounding."""
+    _stand(i, state, segments, count, t, odometer, moving)
+    state[i, 1], state[i, 2] = x, y
 
 
 @njit(cache=True)
@@ -60,6 +81,16 @@ def _driven(state, segments, count, t, odometer, out):
         out[i] = odometer[i] + motion.length_of(state, segments, count, i, t)
 
 
+@njit(cache=True)
+def _fits(bucket, x, y, bucket_xy, carrier, apart):
+    """Whether no resting bucket but `bucket` is nearer than `apart` to a place."""
+    for b in range(len(carrier)):
+        dx, dy = bucket_xy[b, 0] - x, bucket_xy[b, 1] - y
+        if dx * dx + dy * dy < apart * apart and carrier[b] < 0 and b != bucket:
+            return False
+    return True
+
+
 class Bodies:
     """Struct of arrays of everything that has a place on the floor.
 
@@ -67,8 +98,8 @@ class Bodies:
         bucket: The bucket that each bot carries, -1 for none.
         carrier: The bot that carries each bucket, -1 for none.
         moving: Whether a motion of the bot is under way.
-        window_s: Contacts are looked for in windows of this length: the time that a bot needs for its own radius
-            at full speed (the paper's shortest step).
+        window_s: Contacts are looked for in windows of this length: the time that a bot needs for its own diameter
+            at full speed. Longer ones are opened less often, but hold more pairs that may meet.
     """
 
     def __init__(self, scenario: Scenario, layout: Layout, bot_xy: Floats, bucket_xy: Floats) -> None:
@@ -79,7 +110,7 @@ class Bodies:
         self._r_bot, self._r_bucket = limits.radius_m, scenario.bucket.radius_m
         margin = max(self._r_bot, self._r_bucket)
         self.edges = np.array([margin, layout.width_m - margin, margin, layout.height_m - margin])
-        self.window_s = self._r_bot / self._v
+        self.window_s = 2.0 * self._r_bot / self._v
 
         self._state = np.zeros((bots, 6))
         self._state[:, 1:3] = bot_xy
@@ -109,14 +140,14 @@ class Bodies:
         self._when = np.zeros(_AT_MOST)
         self._who = np.zeros(_AT_MOST, dtype=np.int64)
         self._other = np.zeros(_AT_MOST, dtype=np.int64)
-        self._table = np.zeros((bots, 5))
 
     # ---- looking --------------------------------------------------------------------------------------------
 
     def table(self, t: float) -> Floats:
-        """x, y, vx, vy, heading of every bot at time t, shape (bots, 5); overwritten by the next call."""
-        _positions(self._state, self._segments, self._count, t, self._table)
-        return self._table
+        """x, y, vx, vy, heading of every bot at time t, shape (5, bots)."""
+        out = np.empty((5, len(self._count)))
+        _positions(self._state, self._segments, self._count, t, out)
+        return out
 
     def place(self, bot: int, t: float) -> Point:
         """Where a bot is at time t."""
@@ -132,11 +163,10 @@ class Bodies:
         return float(x), float(y)
 
     def bucket_places(self, t: float) -> Floats:
-        """Where all buckets are at time t, shape (buckets, 2)."""
-        places = self._bucket_xy.copy()
-        bots = np.nonzero(self.bucket >= 0)[0]
-        places[self.bucket[bots]] = self.table(t)[bots, :2]
-        return places
+        """x, y of all buckets at time t, shape (2, buckets)."""
+        out = np.empty((2, len(self.carrier)))
+        _bucket_positions(self._state, self._segments, self._count, self._bucket_xy, self.carrier, t, out)
+        return out
 
     def nearest_resting_bucket(self, x: float, y: float) -> tuple[int, float]:
         """The resting bucket that is nearest to a place, and its distance in metres; (-1, inf) if none rests."""
@@ -150,10 +180,7 @@ class Bodies:
 
     def bucket_fits(self, bucket: int, x: float, y: float) -> bool:
         """Whether a bucket, centred at a place, would overlap no other resting bucket."""
-        d = self._bucket_xy - (x, y)
-        near = (d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1] < 4.0 * self._r_bucket * self._r_bucket) & (self.carrier < 0)
-        near[bucket] = False
-        return not near.any()
+        return _fits(bucket, x, y, self._bucket_xy, self.carrier, 2.0 * self._r_bucket)
 
     def driven(self, t: float) -> Floats:
         """Distance that each bot has driven until time t, in metres."""
@@ -168,33 +195,31 @@ class Bodies:
         ends = np.zeros(len(bots))
         _change_velocities(
             bots, self._state, self._segments, self._count, t, vx, vy, self._v, self._a, self._turn_rate,
-            self.edges, self._odometer, ends,
+            self.edges, self._odometer, self.moving, ends,
         )  # fmt: skip
-        self.moving[bots] = ends > t
         return ends
 
     def turn(self, bot: int, turn_radps: float, seconds: float, t: float) -> float:
         """Turn a bot on the spot; when it will have finished."""
-        _stand(bot, self._state, self._segments, self._count, t, self._odometer)
+        _stand(bot, self._state, self._segments, self._count, t, self._odometer, self.moving)
         motion.plan_turn(self._state, self._segments, self._count, bot, t, turn_radps, seconds)
         self.moving[bot] = True
         return t + seconds
 
     def drive(self, bot: int, goal: Point, duration: float, t: float) -> float:
         """Send a bot straight to a goal, in `duration` if that is longer than needed; when it will be there."""
-        end = _change_leg(
+        return _change_leg(
             bot, self._state, self._segments, self._count, t, goal[0], goal[1], self._v, self._a, self._turn_rate,
-            self.edges, duration, self._odometer,
+            self.edges, duration, self._odometer, self.moving,
         )  # fmt: skip
-        self.moving[bot] = end > t
-        return end
 
-    def stand(self, bot: int, t: float, exactly: Point | None = None) -> None:
-        """Stop a bot dead at time t; at the end of a leg `exactly` on its goal, free of rounding."""
-        _stand(bot, self._state, self._segments, self._count, t, self._odometer)
-        if exactly is not None:
-            self._state[bot, 1:3] = exactly
-        self.moving[bot] = False
+    def stand(self, bot: int, t: float) -> None:
+        """Stop a bot dead at time t."""
+        _stand(bot, self._state, self._segments, self._count, t, self._odometer, self.moving)
+
+    def arrive(self, bot: int, t: float, goal: Point) -> None:
+        """Have a bot stand at the end of its leg at time t."""
+        _arrive(bot, self._state, self._segments, self._count, t, self._odometer, self.moving, goal[0], goal[1])
 
     def speed(self, bot: int, t: float) -> float:
         """How fast a bot is at time t, in m/s."""
@@ -228,11 +253,11 @@ class Bodies:
             self._state, self._segments, self._count, self._bucket_xy, self.carrier, t0,
             self._cell, self._nx, self._ny, *self._grids, self._places,
         )  # fmt: skip
-        return self.contacts_of(np.flatnonzero(self.moving), t0, t1, True)
+        return self.contacts_of(self.moving.nonzero()[0], t0, t1, True)
 
     def contacts_of(self, bots: NDArray[np.int64], t0: float, t1: float, ordered: bool = False) -> list[Contact]:
         """The contacts of some bots within (the rest of) the window; `ordered`: each pair of moving bots once."""
-        n = contacts_of_some(
+        n: int = contacts_of_some(
             bots, ordered, self._state, self._segments, self._count, self.moving, self.bucket, self._bucket_xy,
             self.carrier, self._loose, t0, t1, self._r_bot, self._r_bucket, self._cell, self._nx, self._ny,
             *self._grids, self._places, self._reach, self._when, self._who, self._other,

@@ -37,12 +37,13 @@ class Driving:
         bots = len(common.bodies.bucket)
         self._edges: list[float] = common.bodies.edges.tolist()
         self._paths: list[_Path | None] = [None] * bots
-        self._version = np.zeros(bots, dtype=np.int64)
-        self._changed = np.zeros(bots, dtype=np.int64)  # when each bot's motion last changed, counted in changes
-        self._ends = np.full(bots, np.inf)  # when each velocity comes to rest; put on the agenda shortly before
         self._changes = 0
+        self._changed = np.zeros(bots, dtype=np.int64)  # the change that gave each bot its present motion
+        self._ends = np.full(bots, np.inf)  # when each velocity comes to rest; put on the agenda shortly before
         self._window_end = -1.0
+        self._stirred: dict[int, None] = {}  # bots whose motion changed at this instant, in order
         self._agenda.can(motion_ends=self._motion_ends, window=self._window, contact=self._contact, resume=self._resume)
+        self._agenda.at_end_of_instant = self._look_for_contacts
 
     # ---- requests -------------------------------------------------------------------------------------------
 
@@ -64,24 +65,21 @@ class Driving:
     def set_velocities(self, request: SetVelocities) -> None:
         """The same for many bots."""
         chosen, vx, vy = request.bots, request.vx, request.vy
-        fit = ~self._common.hindered[chosen]
-        if not fit.all():
-            chosen, vx, vy = chosen[fit], vx[fit], vy[fit]
-        if not len(chosen):
-            return
-        paths = self._paths
-        for bot in chosen.tolist():
-            if paths[bot] is not None:
-                self._drop_path(bot)
+        hindered = self._common.hindered(chosen)
+        if np.count_nonzero(hindered):
+            chosen, vx, vy = chosen[~hindered], vx[~hindered], vy[~hindered]
         ends = self._bodies.set_velocities(chosen, vx, vy, self._agenda.now)
-        self._version[chosen] += 1
         self._changes += 1
         self._changed[chosen] = self._changes
         self._ends[chosen] = ends
-        for bot in chosen[ends <= self._window_end].tolist():
-            self._agenda.at(float(self._ends[bot]), "motion_ends", bot, int(self._version[bot]))
+        paths, stirred, window_end = self._paths, self._stirred, self._window_end
+        for bot, end in zip(chosen.tolist(), ends.tolist(), strict=True):
+            if paths[bot] is not None:
+                self._drop_path(bot)
+            if end <= window_end:
+                self._agenda.at(end, "motion_ends", bot, self._changes)
+            stirred[bot] = None
         self._common.note_moving(chosen)
-        self._look_for_contacts(chosen.astype(np.int64))
 
     def follow_path(self, request: FollowPath) -> None:
         """Drive through points; answered when the last one is reached."""
@@ -91,19 +89,19 @@ class Driving:
             self._common.answer(bot, request.request, *problem)
             return
         self._drop_path(bot)
-        self._paths[bot] = _Path(request.request, points, stamps)
-        self._next_leg(bot)
+        self._paths[bot] = path = _Path(request.request, points, stamps)
+        self._next_leg(bot, path, None)
 
     def _path_problem(self, points: tuple[Point, ...], stamps: tuple[float, ...]) -> tuple[Code, str] | None:
         if not 1 <= len(points) <= _LONGEST_PATH:
             return Code.INVALID, f"a path of {len(points)} points; it needs 1 to {_LONGEST_PATH}"
         if stamps and len(stamps) != len(points):
             return Code.INVALID, f"{len(stamps)} stamps for {len(points)} points; give one a point, or none"
-        if any(later < earlier for earlier, later in pairwise(stamps)):
+        if stamps and any(later < earlier for earlier, later in pairwise(stamps)):
             return Code.INVALID, "stamps that go back in time"
         left, right, bottom, top = self._edges
         for x, y in points:
-            if not (left - _HERE <= x <= right + _HERE and bottom - _HERE <= y <= top + _HERE):
+            if not (left - x <= _HERE and x - right <= _HERE and bottom - y <= _HERE and y - top <= _HERE):
                 return Code.OFF_FLOOR, (
                     f"no room for a bot at ({x:.3f}, {y:.3f}); x is {left:g} to {right:g} m, y {bottom:g} to {top:g} m"
                 )
@@ -116,22 +114,26 @@ class Driving:
 
     # ---- legs -----------------------------------------------------------------------------------------------
 
-    def _next_leg(self, bot: int) -> None:
-        """Start the leg to the point at the path's index, or to a later one straight behind it."""
-        path, now = self._paths[bot], self._agenda.now
-        assert path is not None
-        points, last = path.points, len(path.points) - 1
-        x, y = self._bodies.place(bot, now)
-        if not path.stamps:
-            while path.index < last and _straight_on((x, y), points[path.index], points[path.index + 1]):
-                path.index += 1
-        duration = path.stamps[path.index] - now if path.stamps else 0.0
+    def _next_leg(self, bot: int, path: _Path, here: Point | None) -> None:
+        """Start the leg to the point at the path's index, or to a later one straight behind it.
+
+        `here` is where the bot stands, if that is known.
+        """
+        now, points, last = self._agenda.now, path.points, len(path.points) - 1
+        if path.stamps:
+            duration = path.stamps[path.index] - now
+        else:
+            duration = 0.0
+            if path.index < last:
+                here = here or self._bodies.place(bot, now)
+                while path.index < last and _straight_on(here, points[path.index], points[path.index + 1]):
+                    path.index += 1
         end = self._bodies.drive(bot, points[path.index], duration, now)
         self._motion_changed(bot, end)
 
-    def _motion_ends(self, bot: int, version: int) -> None:
-        """A leg or a velocity has come to rest."""
-        if version != self._version[bot]:
+    def _motion_ends(self, bot: int, change: int) -> None:
+        """A leg or a velocity has come to rest, unless the motion has changed since."""
+        if change != self._changed[bot]:
             return
         self._ends[bot] = np.inf
         path, now = self._paths[bot], self._agenda.now
@@ -139,12 +141,13 @@ class Driving:
             self._bodies.stand(bot, now)
             self._common.note_state(bot)
             return
-        self._bodies.stand(bot, now, path.points[path.index])
+        here = path.points[path.index]
+        self._bodies.arrive(bot, now, here)
         if path.stamps and now < path.stamps[path.index]:
-            self._agenda.at(path.stamps[path.index], "motion_ends", bot, version)
+            self._agenda.at(path.stamps[path.index], "motion_ends", bot, change)
         elif path.index + 1 < len(path.points):
             path.index += 1
-            self._next_leg(bot)
+            self._next_leg(bot, path, here)
             return
         else:
             self._paths[bot] = None
@@ -153,36 +156,40 @@ class Driving:
 
     def _motion_changed(self, bot: int, end: float) -> None:
         """A bot has begun another motion that will come to rest at `end`."""
-        self._note_change(bot, end)
-        self._look_for_contacts(np.array([bot]))
+        self._note_change(bot)
+        self._agenda.at(end, "motion_ends", bot, self._changes)
+        self._common.note_state(bot)
 
-    def _note_change(self, bot: int, end: float) -> None:
-        self._version[bot] += 1
+    def _note_change(self, bot: int) -> None:
         self._changes += 1
         self._changed[bot] = self._changes
         self._ends[bot] = np.inf
-        self._agenda.at(end, "motion_ends", bot, int(self._version[bot]))
-        self._common.note_state(bot)
+        self._stirred[bot] = None
 
     # ---- collisions -----------------------------------------------------------------------------------------
 
-    def _look_for_contacts(self, bots: np.ndarray) -> None:
+    def _look_for_contacts(self) -> None:
+        """Before time goes on: look for the contacts of all bots whose motion has changed at this instant."""
+        if not self._stirred:
+            return
         now = self._agenda.now
         if now >= self._window_end:
             self._window()
         else:
-            self._expect(self._bodies.contacts_of(bots, now, self._window_end))
+            self._expect(self._bodies.contacts_of(np.array(list(self._stirred)), now, self._window_end))
+        self._stirred.clear()
 
     def _window(self) -> None:
         """Look for all contacts up to the end of the next window, for as long as anything moves."""
         now = self._agenda.now
-        if now < self._window_end or not self._bodies.moving.any():
+        if now < self._window_end or not np.count_nonzero(self._bodies.moving):
             return
         self._window_end = now + self._bodies.window_s
         self._agenda.at(self._window_end, "window")
-        for bot in np.flatnonzero(self._ends <= self._window_end).tolist():
-            self._agenda.at(float(self._ends[bot]), "motion_ends", bot, int(self._version[bot]))
+        for bot in (self._ends <= self._window_end).nonzero()[0].tolist():
+            self._agenda.at(float(self._ends[bot]), "motion_ends", bot, int(self._changed[bot]))
         self._expect(self._bodies.contacts(now, self._window_end))
+        self._stirred.clear()
 
     def _expect(self, contacts: list[Contact]) -> None:
         for time, bot, other in contacts:
@@ -208,15 +215,11 @@ class Driving:
         self._common.emit(kind, bot=bot, bots=bots, buckets=buckets, x=x, y=y)
         for each in bots:
             self._penalise(each)
-        self._look_for_contacts(np.array(bots))
 
     def _penalise(self, bot: int) -> None:
         until = self._agenda.now + self._penalty_s
         self._common.penalised_until[bot] = until
-        self._version[bot] += 1
-        self._changes += 1
-        self._changed[bot] = self._changes
-        self._ends[bot] = np.inf
+        self._note_change(bot)
         self._agenda.at(until, "resume", bot, until)
         self._common.note_state(bot)
         self._drop_path(bot, Code.COLLIDED, f"bot {bot} collided and stands until {until:.3f} s")
@@ -234,19 +237,20 @@ class Driving:
         """Everything that this part remembers, for a checkpoint."""
         return {
             "paths": [None if path is None else asdict(path) for path in self._paths],
-            "version": self._version.tolist(),
             "changed": self._changed.tolist(),
             "ends": [None if end == np.inf else end for end in self._ends.tolist()],
             "changes": self._changes,
             "window_end": self._window_end,
+            "stirred": list(self._stirred),
         }
 
     def restore(self, state: dict[str, Any]) -> None:
         """The opposite of `capture`."""
         self._paths = [None if path is None else _restored_path(path) for path in state["paths"]]
-        self._version, self._changed = np.array(state["version"]), np.array(state["changed"])
+        self._changed = np.array(state["changed"])
         self._ends = np.array([np.inf if end is None else end for end in state["ends"]])
         self._changes, self._window_end = state["changes"], state["window_end"]
+        self._stirred = dict.fromkeys(state["stirred"])
 
 
 def _restored_path(state: dict[str, Any]) -> _Path:

@@ -233,14 +233,12 @@ class World:
 
     def bots(self) -> m.Bots:
         """The bodies of all bots now."""
-        table = self._bodies.table(self.now).copy()
-        state = self._common.states.copy()
-        x, y, vx, vy, heading = table.T
-        return m.Bots(self.now, x, y, heading, vx, vy, self._bodies.bucket.copy(), state)
+        x, y, vx, vy, heading = self._bodies.table(self.now)
+        return m.Bots(self.now, x, y, heading, vx, vy, self._bodies.bucket.copy(), self._common.states.copy())
 
     def buckets(self) -> m.Buckets:
         """All buckets now."""
-        x, y = self._bodies.bucket_places(self.now).T
+        x, y = self._bodies.bucket_places(self.now)
         return m.Buckets(self.now, x, y, self._bodies.carrier.copy(), self._serving.tiles.copy())
 
     def stations(self) -> m.Stations:

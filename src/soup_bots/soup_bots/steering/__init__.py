@@ -3,9 +3,8 @@
 from soup_bots.steering.base import FOLLOW, VELOCITY, Limits, Me, Neighbour, Steer, Steering, SteerView
 from soup_bots.steering.evade import Evade
 from soup_bots.steering.straight import Straight
-from soup_bots.steering.timetable import Timetable
 
-KNOWN: dict[str, type[Steering]] = {"evade": Evade, "straight": Straight, "timetable": Timetable}
+KNOWN: dict[str, type[Steering]] = {"evade": Evade, "straight": Straight}
 
 __all__ = [
     "FOLLOW",
@@ -19,5 +18,4 @@ __all__ = [
     "SteerView",
     "Steering",
     "Straight",
-    "Timetable",
 ]

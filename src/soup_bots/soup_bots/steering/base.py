@@ -155,9 +155,13 @@ class Steering:
                 if not neighbours:
                     return None  # follow the path
                 return 0.0, 0.0  # stand while anything is near
+
+    Attributes:
+        senses: Whether it looks around at all. Where it does not, it is never asked, and costs nothing: all bots
+            follow their paths.
     """
 
-    senses = True  # False: bots follow their paths without looking around, and nothing here is ever asked
+    senses: bool = True
     rng: np.random.Generator  # set by the crew
 
     def steer_one(self, me: Me, neighbours: list[Neighbour], limits: Limits) -> tuple[float, float] | None:

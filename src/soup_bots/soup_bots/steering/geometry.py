@@ -30,7 +30,7 @@ TURNS = np.array(
 FAR = 1e9  # s: never
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, inline="always", error_model="numpy")
 def time_to_touch(dx: float, dy: float, ux: float, uy: float, reach: float) -> float:
     """When two discs touch.
 
@@ -56,7 +56,7 @@ def time_to_touch(dx: float, dy: float, ux: float, uy: float, reach: float) -> f
     return gap / (closing + math.sqrt(root))
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, inline="always", error_model="numpy")
 def kept_distance(dx: float, dy: float, touch: float, margin: float) -> float:
     """Distance of the centres to keep: with margin, but inside the margin only as much as is left of it.
 
@@ -68,7 +68,7 @@ def kept_distance(dx: float, dy: float, touch: float, margin: float) -> float:
     return touch + left if left > 0.0 else touch
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, inline="always", error_model="numpy")
 def time_to_touch_until(
     dx: float,
     dy: float,

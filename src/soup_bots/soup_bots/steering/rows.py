@@ -27,6 +27,7 @@ from soup_bots.steering.choice import (
     lag,
     leaves_floor,
     short_way,
+    stays_clear,
     way_to,
 )
 from soup_bots.steering.geometry import FAR, TURNS, kept_distance
@@ -41,10 +42,11 @@ TURN_MPS = 0.15  # how much nearer waiting for a second makes a bot, when it is 
 FOREIGN = 5.0  # how many times the margin is kept from moving bots whose intentions are not known
 STAY = 2.0  # how many times as far ahead they must be clear before a bot stops to evade
 STEP_ASIDE = 6  # calls
+CHOOSES = 3  # calls: so often a bot that evades looks for a better velocity than one that stays clear
 FREE, MOVING = int(BotState.FREE), int(BotState.MOVING)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, inline="always", error_model="numpy")
 def note_bots(
     i, start, member, columns, lines, reach_m, all_of_them, x, y, vx, vy, bucket, state, touch_empty, touch_loaded,
     margin, max_v, max_a, period, look, give_way, calls, command, travels, decided, planned, near, who, horizon, evades,
@@ -102,7 +104,7 @@ def note_bots(
     return count
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, inline="always", error_model="numpy")
 def note_buckets(
     px, py, start, member, columns, lines, reach_m, bucket_x, bucket_y, touch, margin, count, near, who, horizon
 ):  # fmt: skip
@@ -125,7 +127,7 @@ def note_buckets(
     return count
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def steer_rows(
     bot, goal_x, goal_y, next_x, next_y, end_x, end_y,
     x, y, vx, vy, bucket, state,
@@ -276,13 +278,21 @@ def steer_rows(
                 if first >= bots:
                     reason = BUCKET_IN_WAY
         if clear_s < FAR:
-            if not evading[i]:
-                command[i, 0], command[i, 1] = fx, fy
-            count = keep_reachable(near, horizon, count, first, max_v)
-            cx, cy = best_velocity(
-                count, near, horizon, px, py, pvx, pvy, wx, wy, dir_x, dir_y, command[i, 0], command[i, 1],
-                max_v, max_a, floor,
-            )  # fmt: skip
+            cx, cy = command[i, 0], command[i, 1]
+            keeps_on = (
+                evading[i]
+                and not holding
+                and not steps_aside
+                and (i + calls) % CHOOSES != 0
+                and stays_clear(count, near, horizon, px, py, pvx, pvy, cx, cy, max_a, floor)
+            )
+            if not keeps_on:
+                if not evading[i]:
+                    cx, cy = fx, fy
+                count = keep_reachable(near, horizon, count, first, max_v)
+                cx, cy = best_velocity(
+                    count, near, horizon, px, py, pvx, pvy, wx, wy, dir_x, dir_y, cx, cy, max_v, max_a, floor
+                )
             if cx != wx or cy != wy or steps_aside:
                 keeps_s = FAR
             wx, wy = cx, cy

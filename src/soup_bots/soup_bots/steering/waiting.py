@@ -16,7 +16,7 @@ MOVING = int(BotState.MOVING)
 FRONT = 0.85  # cosine: a wider angle than this off the way into the floor is not in front of a station
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def occupier(
     me, bots, near, who, state, x, y, end_x, end_y, my_dist, on_goal, contest, slow, calls, decided, end, came, turn_m
 ):  # fmt: skip
@@ -51,7 +51,7 @@ def occupier(
     return found
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def waiting_point(
     px, py, goal_x, goal_y, hold_m, touch, bots, count, near, slow, radius, width, height
 ):  # fmt: skip
