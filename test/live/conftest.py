@@ -6,7 +6,6 @@ import contextlib
 import fcntl
 import os
 import re
-import shlex
 import signal
 import subprocess
 import sys
@@ -77,7 +76,7 @@ class Parts:
         process.send_signal(number)
         process.communicate(timeout=PATIENCE_S)
         took = time.monotonic() - began
-        assert took < allowed, f"{shlex.join(map(str, process.args))} took {took:.1f} s to end"
+        assert took < allowed, f"{process.args} took {took:.1f} s to end"
 
     def alive(self) -> list[int]:
         """All processes of the test that still run, whoever started them."""

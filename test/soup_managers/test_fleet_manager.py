@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from managers_world import TinyWorld, layout_of, scenario_of
 
+from soup_managers.bitset import first, members
 from soup_managers.fleet_manager import GATHER_S, FleetManager
 from soup_managers.fleet_state import FleetState
 from soup_managers.plans import PlanError, PlannedVisit, TripPlan
@@ -46,13 +47,32 @@ def world() -> TinyWorld:
     return world
 
 
+class AllAtOnce(FleetPolicy):
+    """One trip for each waiting letter, all at once: the first idle bot, the first bucket that will do."""
+
+    def plan(self, fleet):
+        for letter in fleet.letters():
+            if not fleet.free_bots:
+                return
+            able = fleet.view.with_room if letter.key[0] == STORE else fleet.view.holders(letter.tile)
+            for bucket in members(able & fleet.free_buckets):
+                under = fleet.bot_under(bucket)
+                bot = first(fleet.free_bots) if under < 0 else under
+                if fleet.free_bots >> bot & 1:
+                    visits = (PlannedVisit(letter.station, (letter,)),)
+                    yield TripPlan(bot, bucket, visits, fleet.view.spot_of[bucket])
+                    break
+            else:
+                fleet.defer(letter)
+
+
 class Fleet:
     """A fleet manager that has seen the world, and some of its bots."""
 
     def __init__(self, world: TinyWorld, bots: int = 4, policy: FleetPolicy | None = None) -> None:
         self.world = world
         view = WarehouseView(world.scenario, world.layout)
-        self.mind = FleetManager(world.scenario, world.layout, policy or MinimalFleet(), view, world.rng)
+        self.mind = FleetManager(world.scenario, world.layout, policy or AllAtOnce(), view, world.rng)
         self.sequence = world.sequence
         # a second ago, so that it no longer waits for bots that do not come
         self.tell(world.snapshot(), *world.status[:bots], now=-GATHER_S)
@@ -80,6 +100,19 @@ def test_each_letter_is_a_trip_of_the_first_idle_bot_with_the_first_bucket_that_
     trips = Fleet(world).trips(WORD)
     assert [(goal.bot, goal.trip.bucket) for goal in trips] == [(0, 3), (1, 4)]
     assert [goal.trip.visits[0].moves for goal in trips] == [(TileMove(0, 0),), (TileMove(1, 0),)]
+
+
+def test_minimal_has_one_letter_of_a_task_under_way_at_a_time(world):
+    fleet = Fleet(world, policy=MinimalFleet())
+    trips = fleet.trips(WORD, BUNDLE)
+    assert [(goal.bot, goal.trip.visits[0].station) for goal in trips] == [(0, 1), (1, 2)]
+    bucket = trips[0].trip.bucket
+    fleet.tell(fleet.event(EventType.GRABBED, bot=0, bucket=bucket))
+    fleet.tell(fleet.event(EventType.TRANSFERRED, bot=0, bucket=bucket, station=1, tile=0, job=0))
+    home = world.layout.waypoints[world.bucket_spot[bucket]]
+    fleet.tell(fleet.event(EventType.RELEASED, bot=0, bucket=bucket, x=float(home[0]), y=float(home[1])))
+    next_trips = fleet.trips(TripResult(0, trips[0].trip.trip, Code.DONE, ""), idle(0))
+    assert [goal.trip.visits[0].moves for goal in next_trips] == [(TileMove(1, 0),)]
 
 
 def test_a_trip_goes_straight_to_the_bucket_then_along_the_waypoints_and_back_to_its_spot(world):
@@ -232,7 +265,7 @@ def test_a_new_fleet_manager_keeps_the_promises_of_trips_under_way(world):
 
 def test_a_new_fleet_manager_waits_a_moment_for_all_bots_to_say_what_they_do(world):
     view = WarehouseView(world.scenario, world.layout)
-    mind = FleetManager(world.scenario, world.layout, MinimalFleet(), view, world.rng)
+    mind = FleetManager(world.scenario, world.layout, AllAtOnce(), view, world.rng)
     for message in (world.snapshot(), WORD, idle(0), idle(1), idle(2)):
         assert not [said for said in mind.handle(message, 5.0) if isinstance(said, TripGoal)]
     assert mind.next_wake == 5.0 + GATHER_S
@@ -241,7 +274,7 @@ def test_a_new_fleet_manager_waits_a_moment_for_all_bots_to_say_what_they_do(wor
 
 def test_goals_that_come_before_the_snapshot_are_kept(world):
     view = WarehouseView(world.scenario, world.layout)
-    mind = FleetManager(world.scenario, world.layout, MinimalFleet(), view, world.rng)
+    mind = FleetManager(world.scenario, world.layout, AllAtOnce(), view, world.rng)
     (feedback,) = mind.handle(WORD, 0.0)
     assert "snapshot" in feedback.message
     mind.handle(idle(0), 0.0)

@@ -124,9 +124,7 @@ class Driver:
         self.next_wake = now + self._penalty_s + 2.0 * self._retry_s
         return self.waits("stands after a collision until its penalty is over", now)
 
-    def _start_drive(
-        self, points: tuple[Point, ...], now: float, stamps: tuple[float, ...] = ()
-    ) -> list[Message]:
+    def _start_drive(self, points: tuple[Point, ...], now: float, stamps: tuple[float, ...] = ()) -> list[Message]:
         self.next_wake = NEVER
         self._step = Step.DRIVE
         self._reason = ""

@@ -221,9 +221,10 @@ class Situation:
         short = []
         for station in range(self.word_stations, len(self.docks)):
             bound = len(self.bound[station])
-            if bound < horizons.most and self.jobs.at[station]:
-                if bound < horizons.letter_least or self.ahead_s(station) < horizons.letter_s:
-                    short.append(station)
+            few = bound < horizons.letter_least
+            wanted = bound < horizons.most and self.jobs.at[station]
+            if wanted and (few or self.ahead_s(station) < horizons.letter_s):
+                short.append(station)
         return short
 
     def want(self, station: int) -> Want:

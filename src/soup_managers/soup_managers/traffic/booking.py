@@ -65,7 +65,7 @@ def _fit_before(roads, table, desk, k, m, t, lead, length, stood, bot):
         elif desk.until[i] < length - AT_END_M:
             begin = stood if desk.since[i] < 0.0 else t + lead + enter
             end = t + lead + leave
-            for h in range(table.count[w]):
+            for h in range(table.filled[w]):
                 if table.bot[w, h] != bot and table.end[w, h] > begin + SAME_S and table.begin[w, h] < end - SAME_S:
                     t, i = table.begin[w, h] - lead - leave, -1
                     break
@@ -81,7 +81,7 @@ def book(roads, table, desk, runs, ready, heading, forget_before, bot):
         m, _, _ = _gather(roads, table, desk, k, bot)
         for i in range(m):
             forget(table, desk.at[i], forget_before)
-            if table.count[desk.at[i]] + _SPARE > table.begin.shape[1]:
+            if table.filled[desk.at[i]] + _SPARE > table.begin.shape[1]:
                 return TABLE_FULL
     for k in range(runs):
         m, length, _ = _gather(roads, table, desk, k, bot)
@@ -127,4 +127,3 @@ def _gather(roads, table, desk, k, bot):
             return m, length, edge
         edge = roads.straight[edge]
         step += 1
-

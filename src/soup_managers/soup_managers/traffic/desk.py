@@ -114,5 +114,3 @@ def make_desk(roads: Roads, capacity: int) -> Desk:
         arrives=np.zeros(waypoints + 1),
         way=ints(edges),
     )
-
-

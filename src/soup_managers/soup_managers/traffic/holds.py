@@ -15,6 +15,7 @@ too near. A bot that stands holds what it held at the end of its edge.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
@@ -121,7 +122,7 @@ def _left_after(edges: Edges, lines: list[Line], motion: Motion) -> Floats:
     left = np.zeros(len(edges.lengths))
     if len(cases):
         kinds, kind = np.unique(np.round(cases, 9), axis=0, return_inverse=True)
-        far = np.array([left_after(*case, edges.apart, motion) for case in kinds.tolist()])
+        far = np.array([left_after(a, b, c, d, edges.apart, motion) for a, b, c, d in kinds.tolist()])
         np.maximum.at(left, way_out, far[kind.ravel()])
     return np.minimum(np.maximum(left, _LEFT_M), edges.lengths)
 
@@ -137,12 +138,9 @@ def _successions(edges: Edges, lines: list[Line]) -> tuple[Indices, Indices]:
     # edges that meet at a sharp angle, and the two ways of one edge, exclude each other otherwise
     wide = edges.cosines(way_in, way_out) > -_WIDE
     # one comes to a place in a line from the place behind it, to the last one from outside
-    behind = {place: after for line in lines for place, after in zip(line, line[1:], strict=False)}
+    behind = {place: after for line in lines for place, after in pairwise(line)}
     comes = np.array(
-        [
-            behind.get(head, tail) == tail
-            for tail, head in zip(edges.tail.tolist(), edges.head.tolist(), strict=True)
-        ],
+        [behind.get(head, tail) == tail for tail, head in zip(edges.tail.tolist(), edges.head.tolist(), strict=True)],
         dtype=bool,
     )
     chosen = wide & comes[way_in]
@@ -225,9 +223,7 @@ def _near_part(edges: Edges, edge: int, other: int) -> tuple[float, float]:
     length = float(edges.lengths[edge])
     along = np.linspace(0.0, length, _CUTS + 1)
     places = edges.starts[edge] + edges.ahead[edge] * along[:, None]
-    near = np.flatnonzero(
-        _gaps_of_places(places, edges.starts[other][None], edges.ends[other][None]) < edges.apart
-    )
+    near = np.flatnonzero(_gaps_of_places(places, edges.starts[other][None], edges.ends[other][None]) < edges.apart)
     step = length / _CUTS
     if not len(near):
         return 0.0, length

@@ -1,4 +1,4 @@
-"""The waypoint graph as arrays, ready for compiled kernels: edges, what goes straight on, what is held, who may pass."""
+"""The waypoint graph as arrays for compiled kernels: edges, what goes straight on, what is held, who may pass."""
 
 from __future__ import annotations
 

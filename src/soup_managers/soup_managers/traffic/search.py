@@ -221,9 +221,12 @@ def search(
                 x = roads.head[last]
                 final = x == goal
                 following = -1 if final or m > LONGEST_RUN - 32 else roads.straight[last]
-                if following >= 0:
-                    if (marked_only and desk.mark[following] != now) or roads.line[x] >= 0 or not usable(roads, following, goal, start_line, deep, blocked):
-                        following = -1
+                if following >= 0 and (
+                    (marked_only and desk.mark[following] != now)
+                    or roads.line[x] >= 0
+                    or not usable(roads, following, goal, start_line, deep, blocked)
+                ):
+                    following = -1
                 passed = done
                 while passed < m and desk.until[passed] <= length - ramp:
                     passed += 1
@@ -249,13 +252,13 @@ def search(
                     y = roads.head[desk.run_edge[stop]]
                     if short < 2.0 * ramp:
                         first = 0
-                    go = _fit(roads, table, desk, first, held, before, lead, short, v, stood, gap_end, False, False, bot)
+                    go = _fit(
+                        roads, table, desk, first, held, before, lead, short, v, stood, gap_end, False, False, bot
+                    )
                     come = go + lead + run_time(short, V, A)
                     if go <= latest and come + rest[y] <= worst:
                         there = y * gaps + gap_after(table, y, come, bot)[0]
-                        size = _put(
-                            desk, there, come, extra, go, label, edge, desk.run_edge[stop], now, rest[y], size
-                        )
+                        size = _put(desk, there, come, extra, go, label, edge, desk.run_edge[stop], now, rest[y], size)
                 if turning and t <= latest:
                     run = lead + run_time(length, V, A)
                     entry = times_held(desk, _held(desk, x, m), length, V, A)[0]
@@ -293,9 +296,9 @@ def _crossing(roads, last, goal, start_line, deep, blocked):
     """Whether a bot may turn at the end of an edge."""
     x = roads.head[last]
     for edge in range(roads.out[x], roads.out[x + 1]):
-        if edge != roads.straight[last] and roads.head[edge] != roads.tail[last]:
-            if usable(roads, edge, goal, start_line, deep, blocked):
-                return True
+        onward = edge != roads.straight[last] and roads.head[edge] != roads.tail[last]
+        if onward and usable(roads, edge, goal, start_line, deep, blocked):
+            return True
     return False
 
 

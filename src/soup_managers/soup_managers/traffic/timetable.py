@@ -16,13 +16,13 @@ class Timetable(NamedTuple):
     """Holds of each waypoint in order of their beginnings.
 
     Attributes:
-        count: How many holds each waypoint has, shape (n,).
+        filled: How many holds each waypoint has, shape (n,).
         begin: When each begins (s), shape (n, capacity).
         end: When it ends; infinite while a bot stands there with no plan to leave.
         bot: Whose it is.
     """
 
-    count: Ints
+    filled: Ints
     begin: Floats
     end: Floats
     bot: Ints
@@ -38,7 +38,7 @@ def larger(table: Timetable) -> Timetable:
     """The same table with room for twice as many holds."""
     waypoints, capacity = table.begin.shape
     new = empty_timetable(waypoints, 2 * capacity)
-    new.count[:] = table.count
+    new.filled[:] = table.filled
     for old, wide in ((table.begin, new.begin), (table.end, new.end), (table.bot, new.bot)):
         wide[:, :capacity] = old
     return new
@@ -48,20 +48,20 @@ def larger(table: Timetable) -> Timetable:
 def forget(table, w, before):
     """Drop what ended before a time from one waypoint."""
     kept = 0
-    count = table.count[w]
+    count = table.filled[w]
     for k in range(count):
         if table.end[w, k] >= before:
             if kept < k:
                 table.begin[w, kept], table.end[w, kept] = table.begin[w, k], table.end[w, k]
                 table.bot[w, kept] = table.bot[w, k]
             kept += 1
-    table.count[w] = kept
+    table.filled[w] = kept
 
 
 @njit(cache=True)
 def add(table, w, begin, end, bot):
     """Let a bot hold a waypoint; joined to what it holds there already. There must be room."""
-    count = table.count[w]
+    count = table.filled[w]
     for k in range(count):
         if table.bot[w, k] == bot and table.begin[w, k] <= end + SAME_S and table.end[w, k] >= begin - SAME_S:
             end = max(end, table.end[w, k])
@@ -77,20 +77,20 @@ def add(table, w, begin, end, bot):
         table.bot[w, k] = table.bot[w, k - 1]
         k -= 1
     table.begin[w, k], table.end[w, k], table.bot[w, k] = begin, end, bot
-    table.count[w] = count + 1
+    table.filled[w] = count + 1
 
 
 @njit(cache=True)
 def cut_standing(table, w, bot):
     """Take away the endless hold of a bot on a waypoint; when it began, infinite if there is none."""
-    count = table.count[w]
+    count = table.filled[w]
     for k in range(count):
         if table.bot[w, k] == bot and table.end[w, k] == np.inf:
             begin = table.begin[w, k]
             for m in range(k, count - 1):
                 table.begin[w, m], table.end[w, m] = table.begin[w, m + 1], table.end[w, m + 1]
                 table.bot[w, m] = table.bot[w, m + 1]
-            table.count[w] = count - 1
+            table.filled[w] = count - 1
             return begin
     return np.inf
 
@@ -98,22 +98,22 @@ def cut_standing(table, w, bot):
 @njit(cache=True)
 def forget_bot(table, bot, after):
     """Take away all holds of a bot that end after a time."""
-    for w in range(len(table.count)):
+    for w in range(len(table.filled)):
         kept = 0
-        for k in range(table.count[w]):
+        for k in range(table.filled[w]):
             if table.bot[w, k] != bot or table.end[w, k] <= after:
                 if kept < k:
                     table.begin[w, kept], table.end[w, kept] = table.begin[w, k], table.end[w, k]
                     table.bot[w, kept] = table.bot[w, k]
                 kept += 1
-        table.count[w] = kept
+        table.filled[w] = kept
 
 
 @njit(cache=True)
 def free_from(table, w, bot):
     """When nobody but one bot holds a waypoint any more."""
     latest = -np.inf
-    for k in range(table.count[w]):
+    for k in range(table.filled[w]):
         if table.bot[w, k] != bot:
             latest = max(latest, table.end[w, k])
     return latest
@@ -124,7 +124,7 @@ def gap_after(table, w, time, bot):
     """The gap between the holds of other bots that a time lies in: its number, its end, the end of the next hold."""
     before = 0
     end, reopens = np.inf, np.inf
-    for k in range(table.count[w]):
+    for k in range(table.filled[w]):
         if table.bot[w, k] == bot:
             continue
         if table.end[w, k] <= time + SAME_S:
@@ -137,7 +137,7 @@ def gap_after(table, w, time, bot):
 @njit(cache=True, inline="always")
 def in_the_way(table, w, begin, end, bot):
     """When the first hold of another bot that overlaps a time interval ends; minus infinity if there is none."""
-    for k in range(table.count[w]):
+    for k in range(table.filled[w]):
         if table.begin[w, k] >= end - SAME_S:
             break
         if table.end[w, k] > begin + SAME_S and table.bot[w, k] != bot:
@@ -148,7 +148,7 @@ def in_the_way(table, w, begin, end, bot):
 @njit(cache=True, inline="always")
 def stands_on(table, w, bot):
     """Whether a bot holds a waypoint without an end."""
-    for k in range(table.count[w]):
+    for k in range(table.filled[w]):  # noqa: SIM110 - compiled code knows no generators
         if table.bot[w, k] == bot and table.end[w, k] == np.inf:
             return True
     return False

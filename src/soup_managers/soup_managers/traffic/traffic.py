@@ -72,9 +72,7 @@ class Traffic:
 
     def __init__(self, scenario: Scenario, layout: Layout) -> None:
         bot = scenario.bot
-        motion = Motion(
-            2.0 * max(bot.radius_m, scenario.bucket.radius_m), bot.max_speed_mps, bot.max_acceleration_mps2
-        )
+        motion = Motion(2.0 * max(bot.radius_m, scenario.bucket.radius_m), bot.max_speed_mps, bot.max_acceleration_mps2)
         self.lines: list[Line] = find_lines(layout)
         self._roads = make_roads(layout, self.lines, motion, bot.turn_rate_radps or 0.0)
         self._routes = Routes(self._roads)
@@ -110,8 +108,8 @@ class Traffic:
         """The bots whose planned drives pass where a bot stands now; they must be stopped and planned anew."""
         table = self._table
         mine, theirs = [], []
-        for w in np.flatnonzero(table.count).tolist():
-            for k in range(table.count[w]):
+        for w in np.flatnonzero(table.filled).tolist():
+            for k in range(table.filled[w]):
                 hold = w, float(table.begin[w, k]), float(table.end[w, k]), int(table.bot[w, k])
                 (mine if hold[3] == bot else theirs).append(hold)
         held = {w: begin for w, begin, end, _ in mine if end == math.inf}
@@ -263,9 +261,7 @@ class Traffic:
         )  # fmt: skip
         return label, max(ready + float(desk.rest[course.place]), goal_free)
 
-    def _on_any_way(
-        self, bot: int, goal: int, ready: float, blocked: Mask, depart_by: float, worst: float
-    ) -> int:
+    def _on_any_way(self, bot: int, goal: int, ready: float, blocked: Mask, depart_by: float, worst: float) -> int:
         course = self._courses[bot]
         times = self._routes.to(goal)[0]
         if times[course.place] == math.inf:
@@ -294,9 +290,7 @@ class Traffic:
             waypoints.append(stops[k + 1])
             stamps.append(arrives[k])
         points = self._points
-        leg = Leg(
-            bot, tuple(waypoints), tuple([points[w] for w in waypoints]), tuple(stamps), stamps[0], stamps[-1]
-        )
+        leg = Leg(bot, tuple(waypoints), tuple([points[w] for w in waypoints]), tuple(stamps), stamps[0], stamps[-1])
         course.legs = [kept for kept in course.legs if kept[0].arrive > self._past]
         course.legs.append((leg, course.since, course.heading))
         course.place, course.since = stops[-1], stamps[-1]
@@ -306,7 +300,7 @@ class Traffic:
     def _hold_for_good(self, bot: int, waypoint: int, since: float) -> None:
         for w in self._held_on(waypoint):
             forget(self._table, w, self._past)
-            while self._table.count[w] >= self._table.begin.shape[1]:
+            while self._table.filled[w] >= self._table.begin.shape[1]:
                 self._enlarge()
             add(self._table, w, since, math.inf, bot)
 

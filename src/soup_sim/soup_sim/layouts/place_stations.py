@@ -54,7 +54,7 @@ def place_stations(draft: Draft, scenario: Scenario, left: Indices, right: Indic
     _check(draft, words + letters, body, scenario, source)
 
     on_grid = np.array([s.waypoint for s in words + letters if s.waypoint >= 0], dtype=np.int64)
-    draft.keep_edges(~np.isin(draft.edges, on_grid).all(axis=1))
+    draft.keep_edges(np.logical_not(np.isin(draft.edges, on_grid).all(axis=1)))
 
     new = [s for s in words + letters if s.waypoint < 0]
     for station in new:
