@@ -56,30 +56,32 @@ def test_the_numbers_of_buckets_bots_and_stations() -> None:
     assert [summary[key] for key in counts] == [33, 5, 4, 2]
 
 
-def throughput(*overrides: str) -> int:
-    """Tiles that all stations have moved after three minutes, by the default policies."""
-    moved: list[m.Event] = []
+def throughput(*overrides: str) -> Counter[str]:
+    """Tiles that the stations of each kind have moved after three minutes, by the default policies."""
+    world = world_of("initial_inventory=0.3", *overrides)
+    moved = Counter[str]()
 
     def note(event: m.Event) -> None:
         if event.type is EventType.TRANSFERRED:
-            moved.append(event)
+            moved["word" if world.layout.is_word_station(event.station) else "letter"] += 1
 
-    Headless(world_of(*overrides), Policies(), 1, note).run(180.0)
-    return len(moved)
+    Headless(world, Policies(), 1, note).run(180.0)
+    return moved
+
+
+@pytest.mark.parametrize(("few", "many"), [("bots=1", "bots=12"), ("buckets=2", "buckets=60")])
+def test_bots_and_buckets_affect_throughput(few: str, many: str) -> None:
+    assert throughput(few).total() < throughput(many).total()
 
 
 @pytest.mark.parametrize(
-    ("few", "many", "bottleneck"),
-    [
-        ("bots=1", "bots=12", ""),
-        ("buckets=2", "buckets=60", ""),
-        ("letter_stations=1", "letter_stations=6", "letter_station.transfer_s=20.0"),
-        ("word_stations=1", "word_stations=6", "word_station.transfer_s=20.0"),
-    ],
+    ("kind", "work"),
+    [("word", []), ("letter", ["orders={kind: all, count: 1}", "bundles={kind: poisson, per_hour: 3600}"])],
 )
-def test_all_of_which_affect_throughput(few: str, many: str, bottleneck: str) -> None:
-    slow = [bottleneck] if bottleneck else []
-    assert throughput(few, *slow) < throughput(many, *slow)
+def test_stations_affect_throughput(kind: str, work: list[str]) -> None:
+    slow = f"{kind}_station.transfer_s=60.0"
+    one, many = (throughput(slow, f"{kind}_stations={count}", *work)[kind] for count in (1, 6))
+    assert 0 < one <= 180 / 60 < many
 
 
 # ---- "the capacity of buckets and the size of letter bundles ... are also configurable" ---------------------------

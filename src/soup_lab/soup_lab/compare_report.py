@@ -126,7 +126,8 @@ def _how_to_read(analysis: Analysis) -> str:
         f'<h2>How to read it</h2><p class="note">{escape(LEGEND)} {analysis.comparisons} variants were compared with '
         "the base. All variants meet the same orders, words and places at the start with the same seed, so most of "
         "the noise is the same in both and leaves the difference. Collisions and violations are sums over all seeds. "
-        "m/letter: metres that all bots drove, per letter of a finished word. Bars: dots are single runs.</p>"
+        "m/letter: metres that all bots drove, per letter of a finished word. The real-time factor is that of "
+        "runs side by side, the loading of compiled code included. Bars: dots are single runs.</p>"
     )
 
 

@@ -79,8 +79,8 @@ def run_local(todo: list[Job], processes: int | None = None) -> Generator[Outcom
     workers = min(processes or len(os.sched_getaffinity(0)), len(todo))
     with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow_the_starter) as pool:
         code = code_digest()
-        futures = {pool.submit(attempt, job.case.plan, job.seed, code): job for job in todo}
         try:
+            futures = {pool.submit(attempt, job.case.plan, job.seed, code): job for job in todo}
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException as error:

@@ -72,8 +72,10 @@ class FleetManagerNode:
         self._goals: dict[tuple[str, int], list[ServerGoalHandle]] = {}
         self._bots: dict[int, GoalClient] = {}
         self._drives: dict[int, GoalClient] = {}
+        self._newest: dict[int, BotStatus] = {}
         self._silent: dict[int, BotStatus] = {}  # newest status of bots whose trip action is not seen yet
         self._known: set[int] = set()
+        self._is_new = False  # another world has begun, and its fleet is not told yet what came before it
         self._report = Report(live, node)
         self._report.values = {"policy": choice.name, "bots": "0"}
         self._carriers: dict[type, Callable[[Any], None]] = {
@@ -98,6 +100,7 @@ class FleetManagerNode:
             status = topics.bot_topic(bot, topics.STATUS)
             self._live.follow(self._node, msg.BotStatus, status, self._on_status, LATCHED)
         policy = load_fleet(self._choice)
+        self._is_new = True
         view = WarehouseView(world.scenario, world.layout)
         self._fleet = make_fleet(world.scenario, world.layout, policy, view, role_rng("fleet", self._seed))
         return self._fleet
@@ -129,13 +132,20 @@ class FleetManagerNode:
     # ---- the bots -----------------------------------------------------------------------------------------
 
     def _on_status(self, status: BotStatus) -> None:
+        self._newest[status.bot] = status
         if status.bot in self._known:
             self._follower.tell(status)
         elif status.bot in self._bots:
             self._silent[status.bot] = status
 
     def _look_at_bots(self) -> None:
-        """A bot counts as soon as it can be asked for trips."""
+        """A bot counts as soon as it can be asked for trips. In a new world others may have begun before the fleet."""
+        if self._is_new and self._follower.in_step:
+            self._is_new = False
+            for handles in list(self._goals.values()):
+                self._follower.tell(from_ros(handles[-1].request))
+            for bot in self._known:
+                self._follower.tell(self._newest[bot])
         for bot in [bot for bot in self._silent if self._bots[bot].ready and self._drives[bot].ready]:
             self._known.add(bot)
             self._follower.tell(self._silent.pop(bot))
