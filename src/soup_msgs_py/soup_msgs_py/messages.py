@@ -480,7 +480,7 @@ class Beat:
     """The world has spoken, and time stays at this instant until every part that thinks has heard it.
 
     Attributes:
-        time: Simulated time (s).
+        time: Simulated time (s); it travels exactly, so that who wanted a beat at a time gets it at that time.
         number: Counts the beats, from 1 on.
     """
 

@@ -7,17 +7,18 @@ import math
 from soup_msgs import msg
 
 from soup_msgs_py.messages import Beat, Heard
-from soup_msgs_py.wire.basics import MalformedMessage, from_ros, from_stamp, to_ros, to_stamp
+from soup_msgs_py.wire.basics import MalformedMessage, check_finite, from_ros, to_ros
 
 
 @to_ros.register
 def _(beat: Beat) -> msg.Beat:
-    return msg.Beat(stamp=to_stamp(beat.time), number=beat.number)
+    return msg.Beat(time=float(beat.time), number=beat.number)
 
 
 @from_ros.register
 def _(beat: msg.Beat) -> Beat:
-    return Beat(from_stamp(beat.stamp), beat.number)
+    check_finite(beat.time)
+    return Beat(beat.time, beat.number)
 
 
 @to_ros.register
