@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.roads import AT_END_M
 from soup_managers.traffic.runs import turn_time
 from soup_managers.traffic.search import begin_run, extend_run, times_held
@@ -14,7 +14,7 @@ TABLE_FULL = -1
 _SPARE = 2  # holds that one schedule may add to a waypoint
 
 
-@njit(cache=True)
+@kernel
 def read_schedule(desk, label, gaps):
     """Write the runs that lead to a label into `stop`, `run_first`, `leaves`, `arrives`; how many there are."""
     runs, node = 0, label
@@ -30,7 +30,7 @@ def read_schedule(desk, label, gaps):
     return runs
 
 
-@njit(cache=True)
+@kernel
 def wait_early(roads, table, desk, runs, ready, heading, depart_by, bot):
     """Wait as early on the way as possible: at storage spots rather than on lanes."""
     for k in range(runs - 2, -1, -1):
@@ -50,10 +50,10 @@ def wait_early(roads, table, desk, runs, ready, heading, depart_by, bot):
             desk.leaves[k] = t
 
 
-@njit(cache=True)
+@kernel
 def _fit_before(roads, table, desk, k, m, t, lead, length, stood, bot):
     """The latest departure of the k-th run, not after t, at which all that it leaves behind is free."""
-    V, A, _ = roads.limits
+    V, A = roads.max_speed, roads.max_acceleration
     v = desk.stop[k]
     _, gap_end, _ = gap_after(table, v, stood, bot)
     i = 0
@@ -73,10 +73,10 @@ def _fit_before(roads, table, desk, k, m, t, lead, length, stood, bot):
     return t
 
 
-@njit(cache=True)
+@kernel
 def book(roads, table, desk, runs, ready, heading, forget_before, bot):
     """Write a schedule into the timetable; `TABLE_FULL`, and nothing is written, where it does not fit."""
-    V, A, _ = roads.limits
+    V, A = roads.max_speed, roads.max_acceleration
     for k in range(runs):
         m, _, _ = _gather(roads, table, desk, k, bot)
         for i in range(m):
@@ -101,16 +101,16 @@ def book(roads, table, desk, runs, ready, heading, forget_before, bot):
     return runs
 
 
-@njit(cache=True)
+@kernel
 def _lead(roads, desk, k, heading):
     """How long a bot turns before the k-th run of a schedule."""
-    if roads.limits[2] <= 0.0:
+    if roads.turn_rate <= 0.0:
         return 0.0
     edge = desk.run_first[k - 1] if k else -1
-    return turn_time(roads.heading[edge] if k else heading, roads.heading[desk.run_first[k]], roads.limits[2])
+    return turn_time(roads.heading[edge] if k else heading, roads.heading[desk.run_first[k]], roads.turn_rate)
 
 
-@njit(cache=True)
+@kernel
 def _gather(roads, table, desk, k, bot):
     """What the k-th run of a schedule holds: how many waypoints, the run's length, its last edge."""
     arrived_by = -1

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from numba import njit
+from soup_managers.traffic.kernel import kernel
 
 
-@njit(cache=True)
+@kernel
 def push(keys, items, size, key, item):
     """Put an item into a heap of some size; the arrays must have room."""
     hole = size
@@ -18,7 +18,7 @@ def push(keys, items, size, key, item):
     keys[hole], items[hole] = key, item
 
 
-@njit(cache=True)
+@kernel
 def drop_first(keys, items, size):
     """Take the first item away from a heap of some size."""
     last = size - 1

@@ -18,10 +18,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.lines import Line
 from soup_managers.traffic.runs import place_at, run_time
 from soup_msgs_py.layout import Floats, Ints, Layout
@@ -75,9 +75,8 @@ class Edges:
         return self.ahead[e, 0] * self.ahead[f, 0] + self.ahead[e, 1] * self.ahead[f, 1]
 
 
-def find_holds(layout: Layout, lines: list[Line], motion: Motion) -> list[list[Hold]]:
-    """What is held on each edge of a layout, in the order of its edges."""
-    edges = Edges(layout, motion.body_m)
+def find_holds(edges: Edges, lines: list[Line], motion: Motion) -> list[list[Hold]]:
+    """What is held on each edge, in the order of the layout."""
     left = _left_after(edges, lines, motion).tolist()
     tails, heads, lengths = edges.tail.tolist(), edges.head.tolist(), edges.lengths.tolist()
     holds: list[list[Hold]] = [
@@ -182,7 +181,7 @@ def swap_lag(
     return high
 
 
-@njit(cache=True)
+@kernel
 def _touch(lag, length_in, length_out, cosine, from_rest, apart, V, A):
     duration = run_time(length_in, V, A) if from_rest else length_in / V
     for step in range(int(duration / _STEP_S) + 2):
@@ -213,7 +212,7 @@ def _close_pairs(edges: Edges) -> list[tuple[int, int]]:
         for end_f, sign_f in ((edges.tail, 1.0), (edges.head, -1.0)):
             simple |= (end_e[e] == end_f[f]) & (sign_e * sign_f * edges.cosines(e, f) < _WIDE)
     e, f = e[~simple], f[~simple]
-    gaps = _gaps(edges.starts[e], edges.ends[e], edges.starts[f], edges.ends[f])
+    gaps = gaps_between(edges.starts[e], edges.ends[e], edges.starts[f], edges.ends[f])
     close = gaps < edges.apart - 1e-9
     return sorted((min(a, b), max(a, b)) for a, b in zip(e[close].tolist(), f[close].tolist(), strict=True))
 
@@ -239,7 +238,7 @@ def _gaps_of_places(places: Floats, a: Floats, b: Floats) -> Floats:
     return np.sqrt((off * off).sum(axis=-1))
 
 
-def _gaps(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
+def gaps_between(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats:
     """How far straight lines from a to b are from those from c to d."""
     ends = np.minimum(
         np.minimum(_gaps_of_places(a, c, d), _gaps_of_places(b, c, d)),

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from soup_managers.traffic.holds import Hold, Motion, find_holds
+from soup_managers.traffic.holds import Edges, Hold, Motion, find_holds
+from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.lines import Line
 from soup_managers.traffic.runs import heading_of
 from soup_msgs_py.layout import Floats, Ints, Layout
@@ -50,7 +50,10 @@ class Roads(NamedTuple):
         line_place: 0 is the dock, 1 the place behind it.
         spot: Which waypoints are storage spots.
         crowded: Which waypoints one cannot stand on without holding others too.
-        limits: Maximum speed, maximum acceleration, turn rate (0: turning takes no time).
+        apart: How far from each other the middles of bots have to be (m).
+        max_speed: V (m/s).
+        max_acceleration: A (m/s2).
+        turn_rate: In rad/s; 0: turning takes no time.
     """
 
     points: Floats
@@ -72,7 +75,10 @@ class Roads(NamedTuple):
     line_place: Ints
     spot: Mask
     crowded: Mask
-    limits: Floats
+    apart: float
+    max_speed: float
+    max_acceleration: float
+    turn_rate: float
 
 
 def make_roads(layout: Layout, lines: list[Line], motion: Motion, turn_rate: float) -> Roads:
@@ -83,7 +89,8 @@ def make_roads(layout: Layout, lines: list[Line], motion: Motion, turn_rate: flo
     tail, head = edges[:, 0].astype(np.int32), edges[:, 1].astype(np.int32)
     steps = layout.waypoints[head] - layout.waypoints[tail]
     length = np.sqrt(steps[:, 0] * steps[:, 0] + steps[:, 1] * steps[:, 1])
-    all_holds = find_holds(layout, lines, motion)
+    straight_lines = Edges(layout, motion.body_m)
+    all_holds = find_holds(straight_lines, lines, motion)
     holds = [all_holds[e] for e in order.tolist()]
     flat = [hold for of_edge in holds for hold in of_edge]
 
@@ -117,7 +124,10 @@ def make_roads(layout: Layout, lines: list[Line], motion: Motion, turn_rate: flo
         line_place=place,
         spot=spot,
         crowded=_crowded(head, length, holds, count),
-        limits=np.array([motion.max_speed_mps, motion.max_acceleration_mps2, turn_rate]),
+        apart=straight_lines.apart,
+        max_speed=motion.max_speed_mps,
+        max_acceleration=motion.max_acceleration_mps2,
+        turn_rate=turn_rate,
     )
     same_line = (line[tail] == line[head]) & (line[head] >= 0)
     forward = same_line & (place[tail] == place[head] + 1)
@@ -139,7 +149,7 @@ def _crowded(head: Ints, length: Floats, holds: list[list[Hold]], count: int) ->
     return crowded
 
 
-@njit(cache=True)
+@kernel
 def _straight_on(out, tail, head, ahead):
     straight = np.full(len(head), -1, np.int32)
     for edge in range(len(head)):

@@ -85,7 +85,7 @@ class Routes:
         if roads.line[start] >= 0:
             return float(self.away(start)[0][goal])
         dx, dy = np.abs(roads.points[start] - roads.points[goal])
-        V, A, _ = roads.limits
+        V, A = roads.max_speed, roads.max_acceleration
         return float((dx + dy) / V + 3.0 * V / A)
 
 

@@ -7,12 +7,13 @@ roots, so that the same inputs give the same bits on any machine.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from soup_managers.traffic.kernel import kernel
 
 _PI = 3.141592653589793
 
 
-@njit(cache=True)
+@kernel
 def run_time(length, V, A):
     """How long a run takes (s)."""
     if length * A >= V * V:
@@ -20,7 +21,7 @@ def run_time(length, V, A):
     return 2.0 * np.sqrt(length / A)
 
 
-@njit(cache=True)
+@kernel
 def time_at(x, length, V, A):
     """How long after its start a run of some length is at x metres."""
     if x <= 0.0:
@@ -35,7 +36,7 @@ def time_at(x, length, V, A):
     return V / A + (x - ramp) / V
 
 
-@njit(cache=True)
+@kernel
 def place_at(time, length, V, A):
     """How many metres a run of some length has come after a time; the opposite of `time_at`."""
     total = run_time(length, V, A)
@@ -51,7 +52,7 @@ def place_at(time, length, V, A):
     return 0.5 * A * ramp * ramp + V * (time - ramp)
 
 
-@njit(cache=True)
+@kernel
 def heading_of(dx, dy):
     """The angle of a direction in radians, within (-pi, pi]; like atan2, but the same bits everywhere."""
     if dx == 0.0 and dy == 0.0:
@@ -73,7 +74,7 @@ def heading_of(dx, dy):
     return angle if dy >= 0.0 else -angle
 
 
-@njit(cache=True)
+@kernel
 def turn_time(heading, wanted, turn_rate):
     """How long a turn on the spot takes (s); no time where `turn_rate` is 0."""
     if turn_rate <= 0.0:

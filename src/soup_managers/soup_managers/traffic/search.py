@@ -8,10 +8,10 @@ to all waypoints ahead; each departs as early as everything that it holds on its
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from soup_managers.traffic.desk import LONGEST_RUN
 from soup_managers.traffic.heap import drop_first, push
+from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.roads import AT_END_M
 from soup_managers.traffic.runs import run_time, time_at, turn_time
 from soup_managers.traffic.timetable import SAME_S, gap_after, in_the_way, stands_on
@@ -20,7 +20,7 @@ from soup_managers.traffic.ways import stop_time, usable
 _LOOK_BACK = 8  # an edge holds what one of the last few edges holds, or something new
 
 
-@njit(cache=True, inline="always")
+@kernel
 def begin_run(roads, table, desk, v, arrived_by, bot):
     """Note what a bot that stands on v holds besides v; how many waypoints there are.
 
@@ -49,10 +49,10 @@ def begin_run(roads, table, desk, v, arrived_by, bot):
     return m
 
 
-@njit(cache=True, inline="always")
+@kernel
 def extend_run(roads, desk, edge, step, offset, m):
     """Add the `step`-th edge of a run, `offset` metres after its start; how many holds there are, the first changed."""
-    V, A, _ = roads.limits
+    V, A = roads.max_speed, roads.max_acceleration
     changed = m
     for h in range(roads.hold[edge], roads.hold[edge + 1]):
         w, low, high = roads.hold_at[h], roads.hold_from[h] + offset, roads.hold_to[h] + offset
@@ -70,14 +70,14 @@ def extend_run(roads, desk, edge, step, offset, m):
     return m, changed
 
 
-@njit(cache=True)
+@kernel
 def _passing(x, V, A):
     """How long after the start of a run that does not end it is at x metres."""
     ramp = 0.5 * V * V / A
     return np.sqrt(2.0 * x / A) if x <= ramp else V / A + (x - ramp) / V
 
 
-@njit(cache=True, inline="always")
+@kernel
 def times_held(desk, i, length, V, A):
     """When, after its start, a run of some length begins and ends to hold its i-th waypoint."""
     ramp = 0.5 * V * V / A
@@ -86,7 +86,7 @@ def times_held(desk, i, length, V, A):
     return time_at(desk.since[i], length, V, A), time_at(desk.until[i], length, V, A)
 
 
-@njit(cache=True, inline="always")
+@kernel
 def _fit(roads, table, desk, i, m, t, lead, length, v, stood, gap_end, passing, final, bot):
     """The earliest departure, not before t, at which all that a run holds is free; infinite if there is none.
 
@@ -108,7 +108,7 @@ def _fit(roads, table, desk, i, m, t, lead, length, v, stood, gap_end, passing, 
         final: Whether the bot stands for good where it ends.
         bot: Whose run it is.
     """
-    V, A, _ = roads.limits
+    V, A = roads.max_speed, roads.max_acceleration
     desk.hindered[0] = -1
     while i < m:
         w = desk.at[i]
@@ -133,10 +133,10 @@ def _fit(roads, table, desk, i, m, t, lead, length, v, stood, gap_end, passing, 
     return t
 
 
-@njit(cache=True)
+@kernel
 def rest_of_way(roads, desk, count):
     """Mark the edges of the way on the desk for the next search; note what is left from each of its waypoints."""
-    V, A, turn_rate = roads.limits
+    V, A, turn_rate = roads.max_speed, roads.max_acceleration, roads.turn_rate
     desk.round[0] += 1
     rest, length = 0.0, 0.0
     desk.rest[roads.head[desk.way[count - 1]]] = 0.0
@@ -151,7 +151,7 @@ def rest_of_way(roads, desk, count):
         desk.rest[roads.tail[edge]] = rest + run_time(length, V, A)
 
 
-@njit(cache=True)
+@kernel
 def search(
     roads, table, desk, bot, start, goal, ready, heading, rest, marked_only, deep, blocked, depart_by, worst, most
 ):  # fmt: skip
@@ -180,7 +180,7 @@ def search(
     if not marked_only:
         desk.round[0] += 1
     now = desk.round[0]
-    V, A, turn_rate = roads.limits
+    V, A, turn_rate = roads.max_speed, roads.max_acceleration, roads.turn_rate
     ramp = 0.5 * V * V / A
     gaps = table.begin.shape[1] + 1
     start_line = roads.line[start]
@@ -278,10 +278,10 @@ def search(
     return -1
 
 
-@njit(cache=True, inline="always")
+@kernel
 def _put(desk, there, arrive, cost, t, parent, first, last, now, rest, size):
     """Write a label and put it into the heap, if it is better than what is there; the heap's size, -1 for too large."""
-    if desk.seen[there] == now and arrive + cost >= desk.time[there] + desk.extra[there] - SAME_S:
+    if arrive == np.inf or (desk.seen[there] == now and arrive + cost >= desk.time[there] + desk.extra[there] - SAME_S):
         return size
     if size < 0 or size == len(desk.keys):
         return -1
@@ -291,7 +291,7 @@ def _put(desk, there, arrive, cost, t, parent, first, last, now, rest, size):
     return size + 1
 
 
-@njit(cache=True, inline="always")
+@kernel
 def _crossing(roads, last, goal, start_line, deep, blocked):
     """Whether a bot may turn at the end of an edge."""
     x = roads.head[last]
@@ -302,7 +302,7 @@ def _crossing(roads, last, goal, start_line, deep, blocked):
     return False
 
 
-@njit(cache=True, inline="always")
+@kernel
 def _held(desk, x, m):
     """The number of a waypoint among those that a run holds."""
     i = m - 1

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from soup_managers.traffic.kernel import kernel
 from soup_msgs_py.layout import Floats, Ints
 
 SAME_S = 1e-9  # moments that are closer are one: sums of times differ in their last digits
@@ -44,7 +44,7 @@ def larger(table: Timetable) -> Timetable:
     return new
 
 
-@njit(cache=True)
+@kernel
 def forget(table, w, before):
     """Drop what ended before a time from one waypoint."""
     kept = 0
@@ -58,7 +58,7 @@ def forget(table, w, before):
     table.filled[w] = kept
 
 
-@njit(cache=True)
+@kernel
 def add(table, w, begin, end, bot):
     """Let a bot hold a waypoint; joined to what it holds there already. There must be room."""
     count = table.filled[w]
@@ -80,7 +80,7 @@ def add(table, w, begin, end, bot):
     table.filled[w] = count + 1
 
 
-@njit(cache=True)
+@kernel
 def cut_standing(table, w, bot):
     """Take away the endless hold of a bot on a waypoint; when it began, infinite if there is none."""
     count = table.filled[w]
@@ -95,7 +95,7 @@ def cut_standing(table, w, bot):
     return np.inf
 
 
-@njit(cache=True)
+@kernel
 def forget_bot(table, bot, after):
     """Take away all holds of a bot that end after a time."""
     for w in range(len(table.filled)):
@@ -109,7 +109,7 @@ def forget_bot(table, bot, after):
         table.filled[w] = kept
 
 
-@njit(cache=True)
+@kernel
 def free_from(table, w, bot):
     """When nobody but one bot holds a waypoint any more."""
     latest = -np.inf
@@ -119,7 +119,7 @@ def free_from(table, w, bot):
     return latest
 
 
-@njit(cache=True, inline="always")
+@kernel
 def gap_after(table, w, time, bot):
     """The gap between the holds of other bots that a time lies in: its number, its end, the end of the next hold."""
     before = 0
@@ -134,7 +134,7 @@ def gap_after(table, w, time, bot):
     return before, end, reopens
 
 
-@njit(cache=True, inline="always")
+@kernel
 def in_the_way(table, w, begin, end, bot):
     """When the first hold of another bot that overlaps a time interval ends; minus infinity if there is none."""
     for k in range(table.filled[w]):
@@ -145,7 +145,7 @@ def in_the_way(table, w, begin, end, bot):
     return -np.inf
 
 
-@njit(cache=True, inline="always")
+@kernel
 def stands_on(table, w, bot):
     """Whether a bot holds a waypoint without an end."""
     for k in range(table.filled[w]):  # noqa: SIM110 - compiled code knows no generators

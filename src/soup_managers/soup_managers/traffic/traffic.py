@@ -12,8 +12,10 @@ from soup_managers.traffic.booking import TABLE_FULL, book, read_schedule, wait_
 from soup_managers.traffic.desk import make_desk
 from soup_managers.traffic.holds import Motion
 from soup_managers.traffic.lines import Line, find_lines
-from soup_managers.traffic.roads import AT_END_M, Mask, make_roads
+from soup_managers.traffic.nearby import Nearby
+from soup_managers.traffic.roads import Mask, make_roads
 from soup_managers.traffic.routes import Routes, kind_of_spots
+from soup_managers.traffic.runs import heading_of, run_time, turn_time
 from soup_managers.traffic.search import rest_of_way, search
 from soup_managers.traffic.timetable import add, empty_timetable, forget, forget_bot, free_from, larger
 from soup_msgs_py.layout import Floats, Layout
@@ -21,10 +23,13 @@ from soup_msgs_py.messages import Point
 from soup_msgs_py.scenario import Scenario
 
 PATIENCE_S = 3.0  # a bot that is later than this on its usual way looks for another one
-CAPACITY = 16  # holds of one waypoint, to begin with
+NOWHERE = -1  # the "waypoint" of a place beside the graph
+_CAPACITY = 16  # holds of one waypoint, to begin with
 _LABELS_ON_WAY = 100_000
 _LABELS_FOR_BETTER = 1_500  # how long to look for a better way than waiting
 _LABELS_FOR_ANY = 60_000  # how long to look for any way at all
+_HERE_M = 1e-3
+_TRIED_SPOTS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +38,7 @@ class Leg:
 
     Attributes:
         bot: Who drives.
-        waypoints: Where it stops or waits: the same as `points`.
+        waypoints: Where it stops or waits, as in `points`; `NOWHERE` for a start beside the graph.
         points: The same in metres; the first is where it stands, twice the same point is a wait.
         stamps: When to be at each point (s); the first is the departure.
         depart: The same.
@@ -48,14 +53,14 @@ class Leg:
     arrive: float
 
 
-@dataclass(slots=True)
-class _Course:
-    """Where a bot stands after all that is planned for it, since when, where it faces; its legs so far."""
+@dataclass(frozen=True, slots=True)
+class _Stand:
+    """Where a bot stands, since when, and where it faces (rad)."""
 
-    place: int
+    waypoint: int
+    point: Point
     since: float
     heading: float
-    legs: list[tuple[Leg, float, float]]  # with since when it stood where the leg begins, and where it faced
 
 
 class Traffic:
@@ -72,15 +77,18 @@ class Traffic:
 
     def __init__(self, scenario: Scenario, layout: Layout) -> None:
         bot = scenario.bot
-        motion = Motion(2.0 * max(bot.radius_m, scenario.bucket.radius_m), bot.max_speed_mps, bot.max_acceleration_mps2)
+        body = 2.0 * max(bot.radius_m, scenario.bucket.radius_m)
+        motion = Motion(body, bot.max_speed_mps, bot.max_acceleration_mps2)
         self.lines: list[Line] = find_lines(layout)
         self._roads = make_roads(layout, self.lines, motion, bot.turn_rate_radps or 0.0)
+        self._nearby = Nearby(self._roads)
         self._routes = Routes(self._roads)
         self.deep = self._routes.deep
         self._points: list[Point] = [(x, y) for x, y in layout.waypoints.tolist()]
-        self._table = empty_timetable(len(self._points), CAPACITY)
-        self._desk = make_desk(self._roads, CAPACITY)
-        self._courses: dict[int, _Course] = {}
+        self._table = empty_timetable(len(self._points), _CAPACITY)
+        self._desk = make_desk(self._roads, _CAPACITY)
+        self._stands: dict[int, _Stand] = {}  # where each bot stands after all that is planned for it
+        self._legs: dict[int, list[tuple[Leg, _Stand]]] = {}  # what is planned for it, and where it stood before
         self._past = -math.inf
 
     # ---- who stands where ------------------------------------------------------------------------------------
@@ -88,32 +96,45 @@ class Traffic:
     def stand(self, bot: int, waypoint: int, since: float, heading: float = 0.0) -> None:
         """A bot stands on a waypoint for good; whatever was planned for it is forgotten."""
         self.remove(bot)
-        self._courses[bot] = _Course(waypoint, since, heading, [])
-        self._hold_for_good(bot, waypoint, since)
+        self._legs[bot] = []
+        self._stay(bot, _Stand(waypoint, self._points[waypoint], since, heading))
+
+    def stand_at(self, bot: int, x: float, y: float, since: float, heading: float = 0.0) -> None:
+        """A bot has stopped anywhere, for good; whatever was planned for it is forgotten.
+
+        Others that have planned to pass there are its `conflicts`.
+        """
+        waypoint = self._nearby.waypoint(x, y)
+        px, py = self._points[waypoint]
+        if (px - x) * (px - x) + (py - y) * (py - y) <= _HERE_M * _HERE_M:
+            self.stand(bot, waypoint, since, heading)
+            return
+        self.remove(bot)
+        self._legs[bot] = []
+        self._stay(bot, _Stand(NOWHERE, (x, y), since, heading))
 
     def remove(self, bot: int) -> None:
         """Forget a bot altogether."""
-        if self._courses.pop(bot, None) is not None:
+        if self._stands.pop(bot, None) is not None:
+            del self._legs[bot]
             forget_bot(self._table, bot, -math.inf)
 
     def at(self, bot: int) -> int:
-        """The waypoint where a bot stands after all that is planned for it."""
-        return self._courses[bot].place
+        """The waypoint where a bot stands after all that is planned for it; `NOWHERE` beside the graph."""
+        return self._stands[bot].waypoint
 
     def free_from(self, waypoint: int) -> float:
         """When nobody holds a waypoint any more: minus infinity for always, infinity while somebody stands there."""
         return float(free_from(self._table, waypoint, -1))
 
     def conflicts(self, bot: int) -> list[int]:
-        """The bots whose planned drives pass where a bot stands now; they must be stopped and planned anew."""
+        """The bots that hold what a bot holds where it stands, at the same time: they must be stopped."""
         table = self._table
-        mine, theirs = [], []
-        for w in np.flatnonzero(table.filled).tolist():
-            for k in range(table.filled[w]):
-                hold = w, float(table.begin[w, k]), float(table.end[w, k]), int(table.bot[w, k])
-                (mine if hold[3] == bot else theirs).append(hold)
-        held = {w: begin for w, begin, end, _ in mine if end == math.inf}
-        return sorted({other for w, _, end, other in theirs if w in held and end > held[w]})
+        there = np.arange(table.begin.shape[1]) < table.filled[:, None]
+        mine = there & (table.bot == bot) & (table.end == np.inf)
+        since = np.where(mine, table.begin, np.inf).min(axis=1)
+        others = there & (table.bot != bot) & (table.end > since[:, None])
+        return sorted(set(table.bot[others].tolist()))
 
     # ---- drives ----------------------------------------------------------------------------------------------
 
@@ -142,43 +163,46 @@ class Traffic:
             The leg that arrives first; None, and nothing has changed, if there is none now: somebody stands at the
             goal or in the only way with no plan to leave.
         """
-        course = self._courses[bot]
-        start, ready = course.place, max(earliest, course.since)
-        if start == goal:
-            point = self._points[goal]
-            return Leg(bot, (goal,), (point,), (ready,), ready, ready)
-        goal_free = max(float(free_from(self._table, w, bot)) for w in self._last_stretch(start, goal))
+        stand = self._stands[bot]
+        ready = max(earliest, stand.since)
+        if stand.waypoint == goal:
+            return Leg(bot, (goal,), (stand.point,), (ready,), ready, ready)
+        goal_free = max(float(free_from(self._table, w, bot)) for w in self._last_stretch(stand.waypoint, goal))
         if goal_free == math.inf:
             return None
         blocked = self._routes.blocked(loaded, blocked_spots)
-        edges = self._routes.find(start, goal, loaded, blocked, self._desk)
+        if stand.waypoint == NOWHERE:
+            return self._rejoin(bot, goal, ready, loaded, depart_by, blocked)
+        edges = self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
         label, in_time = self._on_way(edges, bot, goal, ready, goal_free, blocked, depart_by)
         arrive = float(self._desk.time[label]) if label >= 0 else math.inf
         if arrive > in_time + PATIENCE_S:
-            worst = min(arrive - 0.5 * PATIENCE_S, in_time + 2.0 * PATIENCE_S) if label >= 0 else math.inf
+            worst = math.inf if label < 0 else min(arrive - 0.5 * PATIENCE_S, in_time + 2.0 * PATIENCE_S)
             other = self._on_any_way(bot, goal, ready, blocked, depart_by, worst)
             if other < 0 and label >= 0:
-                self._routes.find(start, goal, loaded, blocked, self._desk)
+                self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
                 label, _ = self._on_way(edges, bot, goal, ready, goal_free, blocked, depart_by)
             else:
                 label = other
         if label < 0:
             return None
-        return self._book(bot, label, ready, depart_by) or self.plan(
-            bot, goal, earliest, loaded=loaded, depart_by=depart_by, blocked_spots=blocked_spots
-        )
+        leg = self._book(bot, label, ready, depart_by)
+        if leg is not None:
+            return leg
+        return self.plan(bot, goal, earliest, loaded=loaded, depart_by=depart_by, blocked_spots=blocked_spots)
 
     def revoke(self, bot: int, now: float) -> None:
         """Take back all legs of a bot that have not departed: it stands where the first of them begins.
 
         A bot that is under way keeps its leg. Who has meanwhile planned to pass there is among its `conflicts`.
         """
-        course = self._courses[bot]
-        while course.legs and course.legs[-1][0].depart > now:
-            leg, since, heading = course.legs.pop()
+        legs = self._legs[bot]
+        stand = None
+        while legs and legs[-1][0].depart > now:
+            leg, stand = legs.pop()
             forget_bot(self._table, bot, leg.depart)
-            course.place, course.since, course.heading = leg.waypoints[0], since, heading
-            self._hold_for_good(bot, course.place, since)
+        if stand is not None:
+            self._stay(bot, stand)
 
     def forget_before(self, now: float) -> None:
         """What is over by now need not be remembered; call it from time to time."""
@@ -202,25 +226,27 @@ class Traffic:
 
     def is_lane(self, waypoint: int) -> bool:
         """Whether everybody passes there, so that nobody should stay."""
-        return not self._roads.spot[waypoint] and self._roads.line[waypoint] < 0
+        return waypoint == NOWHERE or (not self._roads.spot[waypoint] and self._roads.line[waypoint] < 0)
 
     def parking(self, bot: int, taken: Iterable[int] = ()) -> list[int]:
         """The free storage spots where a bot could wait, the nearest first."""
-        times = self._routes.away(self.at(bot))[0].copy()
+        stand = self._stands[bot]
+        start = self._nearby.waypoint(*stand.point) if stand.waypoint == NOWHERE else stand.waypoint
+        times = self._routes.away(start)[0].copy()
         times[~self._roads.spot] = np.inf
         times[list(taken)] = np.inf
         near = np.argsort(times, kind="stable")
-        return [int(w) for w in near[np.isfinite(times[near])] if self.free_from(int(w)) < math.inf]
+        return [int(w) for w in near[np.isfinite(times[near])] if free_from(self._table, w, bot) < math.inf]
 
     def clear_lanes(self, earliest: float, taken: Iterable[int] = ()) -> list[Leg]:
         """Send all unloaded bots that stay on lanes or in lines to storage spots; those that can go."""
         spots = set(taken)
-        waiting = [bot for bot, course in sorted(self._courses.items()) if not self._roads.spot[course.place]]
+        waiting = [bot for bot, stand in sorted(self._stands.items()) if not self._on_spot(stand)]
         legs: list[Leg] = []
         while True:
             gone = []
             for bot in waiting:
-                for spot in self.parking(bot, spots)[:4]:
+                for spot in self.parking(bot, spots)[:_TRIED_SPOTS]:
                     leg = self.plan(bot, spot, earliest, loaded=False)
                     if leg is not None:
                         spots.add(spot)
@@ -240,6 +266,9 @@ class Traffic:
 
     # ---- within ----------------------------------------------------------------------------------------------
 
+    def _on_spot(self, stand: _Stand) -> bool:
+        return stand.waypoint != NOWHERE and bool(self._roads.spot[stand.waypoint])
+
     def _last_stretch(self, start: int, goal: int) -> Line:
         """The goal, and the places of its line that one must pass on the way there."""
         line = self.lines[self._roads.line[goal]] if self._roads.line[goal] >= 0 else (goal,)
@@ -253,31 +282,31 @@ class Traffic:
         """The label at the goal of the way on the desk, -1 for none; and when a bot could be there at best."""
         if edges == 0:
             return -1, ready
-        course, desk = self._courses[bot], self._desk
+        stand, desk = self._stands[bot], self._desk
         rest_of_way(self._roads, desk, edges)
         label = search(
-            self._roads, self._table, desk, bot, course.place, goal, ready, course.heading, desk.rest, True,
+            self._roads, self._table, desk, bot, stand.waypoint, goal, ready, stand.heading, desk.rest, True,
             self.deep, blocked, depart_by, math.inf, _LABELS_ON_WAY,
         )  # fmt: skip
-        return label, max(ready + float(desk.rest[course.place]), goal_free)
+        return label, max(ready + float(desk.rest[stand.waypoint]), goal_free)
 
     def _on_any_way(self, bot: int, goal: int, ready: float, blocked: Mask, depart_by: float, worst: float) -> int:
-        course = self._courses[bot]
+        stand = self._stands[bot]
         times = self._routes.to(goal)[0]
-        if times[course.place] == math.inf:
+        if times[stand.waypoint] == math.inf:
             return -1
         most = _LABELS_FOR_ANY if worst == math.inf else _LABELS_FOR_BETTER
         return search(
-            self._roads, self._table, self._desk, bot, course.place, goal, ready, course.heading, times, False,
+            self._roads, self._table, self._desk, bot, stand.waypoint, goal, ready, stand.heading, times, False,
             self.deep, blocked, depart_by, worst, most,
         )  # fmt: skip
 
     def _book(self, bot: int, label: int, ready: float, depart_by: float) -> Leg | None:
         """Write what leads to a label into the timetable; None where that has only just been made large enough."""
-        course, roads, desk = self._courses[bot], self._roads, self._desk
+        stand, roads, desk = self._stands[bot], self._roads, self._desk
         runs = read_schedule(desk, label, self._table.begin.shape[1] + 1)
-        wait_early(roads, self._table, desk, runs, ready, course.heading, depart_by, bot)
-        if book(roads, self._table, desk, runs, ready, course.heading, self._past, bot) == TABLE_FULL:
+        wait_early(roads, self._table, desk, runs, ready, stand.heading, depart_by, bot)
+        if book(roads, self._table, desk, runs, ready, stand.heading, self._past, bot) == TABLE_FULL:
             self._enlarge()
             return None
         stops = desk.stop[: runs + 1].tolist()
@@ -289,31 +318,64 @@ class Traffic:
                 stamps.append(leaves[k])
             waypoints.append(stops[k + 1])
             stamps.append(arrives[k])
-        points = self._points
-        leg = Leg(bot, tuple(waypoints), tuple([points[w] for w in waypoints]), tuple(stamps), stamps[0], stamps[-1])
-        course.legs = [kept for kept in course.legs if kept[0].arrive > self._past]
-        course.legs.append((leg, course.since, course.heading))
-        course.place, course.since = stops[-1], stamps[-1]
-        course.heading = float(roads.heading[desk.run_first[runs - 1]])
+        points = tuple([self._points[w] for w in waypoints])
+        leg = Leg(bot, tuple(waypoints), points, tuple(stamps), stamps[0], stamps[-1])
+        self._add_leg(leg, float(roads.heading[desk.run_first[runs - 1]]))
         return leg
 
-    def _hold_for_good(self, bot: int, waypoint: int, since: float) -> None:
-        for w in self._held_on(waypoint):
-            forget(self._table, w, self._past)
-            while self._table.filled[w] >= self._table.begin.shape[1]:
-                self._enlarge()
-            add(self._table, w, since, math.inf, bot)
+    def _add_leg(self, leg: Leg, heading: float) -> None:
+        """Note a leg that is in the timetable."""
+        legs = [kept for kept in self._legs[leg.bot] if kept[0].arrive > self._past]
+        self._legs[leg.bot] = [*legs, (leg, self._stands[leg.bot])]
+        self._stands[leg.bot] = _Stand(leg.waypoints[-1], leg.points[-1], leg.arrive, heading)
 
-    def _held_on(self, waypoint: int) -> list[int]:
-        """What a bot holds that stands on a waypoint."""
-        roads = self._roads
-        held = [waypoint]
-        if roads.crowded[waypoint]:
-            for edge in roads.into_edge[roads.into[waypoint] : roads.into[waypoint + 1]].tolist():
-                holds = slice(roads.hold[edge], roads.hold[edge + 1])
-                at_end = roads.hold_to[holds] >= roads.length[edge] - AT_END_M
-                held += [w for w in roads.hold_at[holds][at_end].tolist() if w not in held]
-        return held
+    def _rejoin(
+        self, bot: int, goal: int, ready: float, loaded: bool, depart_by: float, blocked: Mask
+    ) -> Leg | None:
+        """A leg from beside the graph: straight to a waypoint that nobody else will pass, and on from there."""
+        stand, roads = self._stands[bot], self._roads
+        for waypoint in self._nearby.ways_back(stand.point, loaded, blocked, goal):
+            point = self._points[waypoint]
+            dx, dy = point[0] - stand.point[0], point[1] - stand.point[1]
+            held = {*self._nearby.held_along(stand.point, point), *self._nearby.held_on(waypoint)}
+            depart = max(ready, *(float(free_from(self._table, w, bot)) for w in held))
+            if depart == math.inf or depart > depart_by:
+                continue
+            heading = heading_of(dx, dy)
+            length = float(np.sqrt(dx * dx + dy * dy))
+            arrive = depart + turn_time(stand.heading, heading, roads.turn_rate)
+            arrive += run_time(length, roads.max_speed, roads.max_acceleration)
+            forget_bot(self._table, bot, -math.inf)
+            for w in held:
+                self._hold(w, stand.since, arrive, bot)
+            self._stands[bot] = _Stand(waypoint, point, arrive, heading)
+            self._stay(bot, self._stands[bot])
+            ahead = self.plan(bot, goal, arrive, loaded=loaded, blocked_spots=blocked)
+            if ahead is not None:
+                first = () if goal == waypoint else ahead.waypoints[int(ahead.depart <= arrive) :]
+                stamps = () if goal == waypoint else ahead.stamps[int(ahead.depart <= arrive) :]
+                waypoints = (NOWHERE, waypoint, *first)
+                points = (stand.point, *(self._points[w] for w in waypoints[1:]))
+                leg = Leg(bot, waypoints, points, (depart, arrive, *stamps), depart, max(arrive, ahead.arrive))
+                self._legs[bot] = [(leg, stand)]
+                return leg
+            forget_bot(self._table, bot, -math.inf)
+            self._stay(bot, stand)
+        return None
+
+    def _stay(self, bot: int, stand: _Stand) -> None:
+        """Let a bot stand for good."""
+        self._stands[bot] = stand
+        beside = stand.waypoint == NOWHERE
+        held = self._nearby.held_along(stand.point, stand.point) if beside else self._nearby.held_on(stand.waypoint)
+        for w in held:
+            self._hold(w, stand.since, math.inf, bot)
+
+    def _hold(self, waypoint: int, begin: float, end: float, bot: int) -> None:
+        forget(self._table, waypoint, self._past)
+        if self._table.filled[waypoint] >= self._table.begin.shape[1]:
+            self._enlarge()
+        add(self._table, waypoint, begin, end, bot)
 
     def _enlarge(self) -> None:
         self._table = larger(self._table)

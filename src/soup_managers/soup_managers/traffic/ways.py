@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from soup_managers.traffic.heap import drop_first, push
+from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.roads import ENTRY, FORWARD, LANE, SPOT
 from soup_managers.traffic.runs import turn_time
 
 
-@njit(cache=True, inline="always")
+@kernel
 def usable(roads, edge, goal, start_line, deep, blocked):
     """Whether a bot on its way to a goal may drive along an edge.
 
@@ -35,16 +35,16 @@ def usable(roads, edge, goal, start_line, deep, blocked):
     return kind == ENTRY and goal >= 0 and line == roads.line[goal]
 
 
-@njit(cache=True, inline="always")
+@kernel
 def stop_time(roads, edge, following):
     """What a bot loses between two edges, because it must stop and turn (s)."""
     if roads.straight[edge] == following and roads.line[roads.head[edge]] < 0:
         return 0.0
-    V, A, turn_rate = roads.limits
+    V, A, turn_rate = roads.max_speed, roads.max_acceleration, roads.turn_rate
     return V / A + turn_time(roads.heading[edge], roads.heading[following], turn_rate)
 
 
-@njit(cache=True)
+@kernel
 def tree_to(roads, goal, deep, blocked):
     """Quickest ways from everywhere to a goal.
 
@@ -72,12 +72,12 @@ def tree_to(roads, goal, deep, blocked):
                     time[tail], first[tail] = there, edge
                     push(keys, nodes, size, there, tail)
                     size += 1
-    time += roads.limits[0] / roads.limits[1]  # to get going, and to stop at the end
+    time += roads.max_speed / roads.max_acceleration  # to get going, and to stop at the end
     time[goal] = 0.0
     return time, first
 
 
-@njit(cache=True)
+@kernel
 def tree_from(roads, start, deep, blocked):
     """Quickest ways from a place to all lanes and storage spots.
 
@@ -104,12 +104,12 @@ def tree_from(roads, start, deep, blocked):
                     time[head], last[head] = there, edge
                     push(keys, nodes, size, there, head)
                     size += 1
-    time += roads.limits[0] / roads.limits[1]
+    time += roads.max_speed / roads.max_acceleration
     time[start] = 0.0
     return time, last
 
 
-@njit(cache=True)
+@kernel
 def follow(roads, start, goal, first, way):
     """Write the edges of the way down a `tree_to` into `way`; how many there are, 0 for no way."""
     count, node = 0, start
@@ -123,7 +123,7 @@ def follow(roads, start, goal, first, way):
     return count
 
 
-@njit(cache=True)
+@kernel
 def follow_back(roads, start, goal, last, way):
     """Write the edges of the way up a `tree_from` into `way`; how many there are, 0 for no way."""
     count, node = 0, goal
@@ -139,15 +139,15 @@ def follow_back(roads, start, goal, last, way):
     return count
 
 
-@njit(cache=True, inline="always")
+@kernel
 def least_time(roads, place, goal, square):
     """No way between two places takes less (s); `square`: all edges run along x or y."""
     dx, dy = roads.points[place, 0] - roads.points[goal, 0], roads.points[place, 1] - roads.points[goal, 1]
     length = abs(dx) + abs(dy) if square else np.sqrt(dx * dx + dy * dy)
-    return length / roads.limits[0]
+    return length / roads.max_speed
 
 
-@njit(cache=True)
+@kernel
 def find_way(roads, start, goal, deep, blocked, square, desk, way):
     """Write the edges of a quickest way (A*) into `way`; how many there are, 0 for no way."""
     desk.round[0] += 1
