@@ -118,6 +118,11 @@ class WarehouseView:
         """The buckets that hold a tile kind, as a bit set."""
         return self._holders.get(tile, 0)
 
+    @property
+    def room(self) -> int:
+        """How many more tiles go into all buckets, once what is staged is in them."""
+        return len(self.contents) * self.scenario.bucket.capacity - int(self.stock.sum())
+
     def room_in(self, bucket: int) -> int:
         """How many more tiles go into a bucket."""
         return self.scenario.bucket.capacity - self.tiles_in[bucket]

@@ -14,7 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from soup_managers.coordination.digging import Digging
 from soup_managers.coordination.explain import Explain
+from soup_managers.coordination.fetching import Fetch, Fetching
 from soup_managers.coordination.jobs import Job
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
@@ -50,7 +52,9 @@ from soup_msgs_py.scenario import Scenario
 
 TICK_S = 1.0  # between two looks at all stations
 RETRY_S = 0.5  # before a way that could not be planned is tried again
+BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another one
 TRIES = 8  # alternatives that are tried at once
+WAITING_SPOTS = 4  # storage spots near each station that are kept for buckets that wait for a place in its line
 FAR_S = 15.0  # a bot that comes from farther takes the hindmost place in a line
 KEEP_ROOM = 4  # a bucket with less room is done at a letter station
 
@@ -77,6 +81,10 @@ class CoordinatedFleet(Manager):
         self._traffic = Traffic(scenario, layout)
         self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
         self._places = Places(layout, scenario.bots)
+        self._digging = Digging(layout, self._places.spots)
+        self._fetching = Fetching(self.situation, policy, self._places, self._digging, self._explain)
+        self._waiting_spots = self._near_stations()
+        self._kept_free = np.array([spot for spots in self._waiting_spots for spot in spots], np.int64)
         self._lines: list[list[Robot | None]] = [[None] * len(line) for line in self._traffic.lines]
         self._early: list[Message] = []
         self._orders = 0
@@ -123,6 +131,8 @@ class CoordinatedFleet(Manager):
         for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
             del self._waiting[robot.number]
             self._resume(robot, now)
+            if robot.activity is Activity.STANDS and robot.bucket >= 0 and self._digging.needed:
+                self._free_the_way(robot, now)
         self._traffic.forget_before(now)
         self._fetch(now)
         return self._act(now)
@@ -272,7 +282,9 @@ class CoordinatedFleet(Manager):
         if bucket >= 0:
             self.situation.free_buckets[bucket] = False
             self._undecided.append(robot)
-        elif not self._places.is_spot[robot.waypoint]:
+        elif not self._places.is_spot[robot.waypoint] or (
+            self._digging.needed and not self._places.occupied[robot.waypoint]
+        ):
             robot.purpose = Purpose.PARK
             self._later(robot, now, "")
 
@@ -359,9 +371,6 @@ class CoordinatedFleet(Manager):
         if robot.activity is not Activity.STANDS:
             return
         match robot.purpose:
-            case Purpose.FETCH:
-                if not self._go(robot, int(self.situation.spot_of[robot.target]), now):
-                    self._later(robot, now, f"no way leads to bucket {robot.target} now")
             case Purpose.PARK:
                 self._park(robot, now)
             case Purpose.SERVE if robot.slot != 0:
@@ -408,14 +417,43 @@ class CoordinatedFleet(Manager):
             for robot in self.situation.bound[station]
             if robot.slot < 0 and robot.activity is Activity.STANDS and robot.bucket >= 0
         ]
-        for _, _, robot in sorted(waiting):
+        waiting.sort()
+        crowded = len(self.situation.bound[station]) > len(line)
+        for travel, _, robot in waiting:
+            if crowded and travel > FAR_S and self._come_near(robot, station, now):
+                continue
             slot = self._slot_for(robot, station, now)
             if slot < 0:
-                break
+                continue
             line[slot], robot.slot = robot, slot
             if not self._go(robot, places[slot], now):
                 line[slot], robot.slot = None, -1
                 self._later(robot, now, f"no way leads to {self._layout.station_name(station)} now")
+
+    def _come_near(self, robot: Robot, station: int, now: float) -> bool:
+        """Send a bucket that comes from far to a free storage spot near its station, where it waits for a place.
+
+        So nobody keeps a place in the line while it crosses the floor.
+        """
+        open_ = self._digging.open_spots(self._places.closed)
+        for spot in self._waiting_spots[station]:
+            if self._places.is_free(spot) and open_[spot] and self._go(robot, spot, now):
+                return True
+        return False
+
+    def _near_stations(self) -> list[list[int]]:
+        """The storage spots nearest to each station, no spot for two of them."""
+        near: list[list[int]] = [[] for _ in self.situation.docks]
+        spots = self._places.spots
+        times = [self._traffic.times_to(dock)[spots] for dock in self.situation.docks]
+        for _ in range(WAITING_SPOTS):
+            for found, time in zip(near, times, strict=True):
+                best = int(time.argmin()) if len(time) else -1
+                if best >= 0 and np.isfinite(time[best]):
+                    found.append(int(spots[best]))
+                    for others in times:
+                        others[best] = np.inf
+        return near
 
     def _slot_for(self, robot: Robot, station: int, now: float) -> int:
         """The place in a station's line that a bot can get to, -1 for none.
@@ -511,11 +549,15 @@ class CoordinatedFleet(Manager):
         """Put the bucket away."""
         situation = self.situation
         spots = self._places.free_spots()
+        open_ = self._digging.open_spots(self._places.closed)[spots]
+        kept = np.isin(spots, self._kept_free)
+        spots = spots[open_ & ~kept] if (open_ & ~kept).any() else spots[open_]
         if not len(spots):
             self._later(robot, now, "no storage spot is free")
             return
         travel = self._traffic.times_from(robot.waypoint)[spots]
         costs = self._policy.storage.cost(situation, robot.bucket, spots, travel)
+        costs = costs + BURIED_S * self._digging.buried(self._places.closed, spots)
         costs = np.where(np.isfinite(travel), costs, np.inf)
         self._explain.choice("storage", now, -costs, spots, bot=robot.number, bucket=robot.bucket)
         before = robot.purpose
@@ -530,6 +572,9 @@ class CoordinatedFleet(Manager):
     def _park(self, robot: Robot, now: float) -> None:
         """A bot without work that stands on a lane goes under a bucket, out of the way."""
         spots = self._places.spots[self._places.taken[self._places.spots] == 0]
+        under = self._places.occupied[spots]
+        if self._digging.needed and under.any():
+            spots = spots[under]  # beside one it would close the way to those behind
         costs = self._traffic.times_from(robot.waypoint)[spots]
         for choice in np.argsort(costs, kind="stable")[:TRIES].tolist():
             if self._go(robot, int(spots[choice]), now):
@@ -538,74 +583,28 @@ class CoordinatedFleet(Manager):
 
     def _fetch(self, now: float) -> None:
         """Have buckets fetched for the stations that run out of work."""
-        situation = self.situation
-        if self._silent:
-            return
-        idle = [robot.number for robot in situation.robots if robot.idle]
-        if not idle:
-            return
-        short = [(situation.ahead_s(station), station) for station in situation.short_word_stations()]
-        short += [(situation.ahead_s(station), station) for station in situation.short_letter_stations()]
-        stations = [station for _, station in sorted(short)][: len(idle)]
-        chosen = self._choose_buckets(stations, idle, now)
-        without = [(station, bucket) for station, bucket, robot in chosen if robot is None]
-        bots = np.array(idle, np.int32)
-        places = [self._spot_xy(bucket) for _, bucket in without]
-        costs = self._policy.bots.match(situation, bots, places) if without and len(bots) else []
-        pairs = [(station, bucket, robot) for station, bucket, robot in chosen if robot is not None]
-        for (station, bucket), cost in zip(without, costs, strict=False):
-            usable = np.where([situation.robots[bot].idle for bot in idle], cost, np.inf)
-            if not len(usable) or not np.isfinite(usable).any():
-                break
-            self._explain.choice("bots", now, -usable, bots, bucket=bucket)
-            robot = situation.robots[idle[int(usable.argmin())]]
-            robot.purpose = Purpose.FETCH  # no longer idle
-            pairs.append((station, bucket, robot))
-        for station, bucket, robot in pairs:
-            robot.purpose, robot.target = Purpose.FETCH, bucket
-            situation.free_buckets[bucket] = False
-            self._bind(robot, station)
-            if not self._go(robot, int(situation.spot_of[bucket]), now):
-                self._later(robot, now, f"no way leads to bucket {bucket} now")
+        if not self._silent:
+            for fetch in self._fetching.choose(now):
+                self._send_for(fetch, now)
 
-    def _choose_buckets(self, stations: list[int], idle: list[int], now: float) -> list[tuple[int, int, Robot | None]]:
-        """A bucket for each station, where there is one, and the idle bot that stands under it.
+    def _send_for(self, fetch: Fetch, now: float) -> None:
+        """Have a bot fetch a bucket; where it cannot get there now, the bucket is left alone for a while."""
+        robot, bucket = fetch.robot, fetch.wanted.bucket
+        robot.purpose, robot.target = Purpose.FETCH, bucket
+        self.situation.free_buckets[bucket] = False
+        if not fetch.wanted.digs:
+            self._bind(robot, fetch.wanted.station)
+        if not self._go(robot, int(self.situation.spot_of[bucket]), now):
+            self._fetching.unreachable(bucket, now)
+            self.situation.free_buckets[bucket] = True
+            self._unbind(robot)
+            robot.purpose, robot.target = Purpose.NONE, -1
 
-        Those bots are taken out of `idle`.
-        """
-        situation, policy = self.situation, self._policy
-        words = [situation.want(station) for station in stations if situation.is_word_station(station)]
-        word_scores = iter(policy.buckets.match(situation, words) if words else [])
-        wants = iter(words)
-        used: set[int] = set()
-        chosen: list[tuple[int, int, Robot | None]] = []
-        for station in stations:
-            if situation.is_word_station(station):
-                allowed = next(wants).tiles > 0
-                scores = next(word_scores)
-            else:
-                fill = situation.fill(station)
-                allowed = fill.room >= situation.horizons.least_room
-                scores = policy.fills.score(situation, fill)
-            scores = np.where(allowed & situation.free_buckets, scores, 0.0)
-            self._explain.choice("buckets", now, scores, station=station)
-            for bucket in np.argsort(-scores, kind="stable")[: TRIES + len(used)].tolist():
-                if scores[bucket] <= 0.0:
-                    break
-                spot = int(situation.spot_of[bucket])
-                under = next((bot for bot in idle if situation.robots[bot].waypoint == spot), -1)
-                if bucket in used or (under < 0 and self._places.taken[spot]):
-                    continue
-                used.add(bucket)
-                if under >= 0:
-                    idle.remove(under)
-                chosen.append((station, bucket, situation.robots[under] if under >= 0 else None))
-                break
-        return chosen
-
-    def _spot_xy(self, bucket: int) -> tuple[float, float]:
-        x, y = self._layout.waypoints[self.situation.spot_of[bucket]]
-        return float(x), float(y)
+    def _free_the_way(self, robot: Robot, now: float) -> None:
+        """Have a bucket moved that keeps a bot with a bucket from getting out of a block."""
+        fetch = self._fetching.dig_out(robot.waypoint, now)
+        if fetch is not None:
+            self._send_for(fetch, now)
 
     def _reason(self, job: Job) -> str:
         """Why a task waits; empty where something is on its way to its station."""

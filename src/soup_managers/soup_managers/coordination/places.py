@@ -39,9 +39,18 @@ class Places:
         self.occupied[:] = False
         self.occupied[list(bucket_on)] = True
 
+    @property
+    def closed(self) -> NDArray[np.bool_]:
+        """Where a bot with a bucket cannot pass, because a bucket or a bot is there, shape (waypoints,)."""
+        return self.occupied | (self.taken > 0)
+
     def free_spots(self) -> NDArray[np.int64]:
         """Storage spots with neither a bucket nor a bot, as waypoints."""
         return self.spots[~self.occupied[self.spots] & (self.taken[self.spots] == 0)]
+
+    def is_free(self, spot: int) -> bool:
+        """Whether neither a bucket nor a bot is on a storage spot."""
+        return not self.occupied[spot] and self.taken[spot] == 0
 
     def take(self, waypoint: int) -> None:
         """A bot stands on a waypoint, or will."""

@@ -55,8 +55,7 @@ class Minimal(LetterPolicy):
             return AssignBundle(station, bundle=next(iter(view.waiting_bundles)))
         if view.scenario.bundles.kind != "chosen":
             return None
-        room = len(view.contents) * view.scenario.bucket.capacity - int(view.stock.sum())
-        if room < view.scenario.bundle_size:
+        if view.room < view.scenario.bundle_size:
             return None
         shortage = view.wanted - view.stock
         kind = int(shortage.argmax())
@@ -68,3 +67,26 @@ class Minimal(LetterPolicy):
         if gap[kind] > 0 and gap.sum() > 0:
             return AssignBundle(station, tile=kind)
         return None
+
+
+class Ahead(Minimal):
+    """As `minimal`, but rare letters are fetched early: what the waiting words will lack comes before any other gap.
+
+    Open words come first, then the words that wait, the oldest first: a letter of which there is less than they
+    need together would block a word station later.
+    """
+
+    def choose(
+        self, view: WarehouseView, stations: Sequence[int], target: Floats, rng: np.random.Generator
+    ) -> AssignBundle | None:
+        """A kind that open or waiting words lack, else as `minimal`."""
+        chosen = view.scenario.bundles.kind == "chosen" and not view.waiting_bundles
+        if chosen and view.room >= view.scenario.bundle_size:
+            left = view.stock - view.wanted
+            if left.min() >= 0:
+                for word in view.waiting_words.values():
+                    for tile in word.tiles:
+                        left[tile] -= 1
+                        if left[tile] < 0:
+                            return AssignBundle(max(stations, key=view.free_places.__getitem__), tile=tile)
+        return super().choose(view, stations, target, rng)

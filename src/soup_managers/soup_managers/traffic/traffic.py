@@ -329,9 +329,7 @@ class Traffic:
         self._legs[leg.bot] = [*legs, (leg, self._stands[leg.bot])]
         self._stands[leg.bot] = _Stand(leg.waypoints[-1], leg.points[-1], leg.arrive, heading)
 
-    def _rejoin(
-        self, bot: int, goal: int, ready: float, loaded: bool, depart_by: float, blocked: Mask
-    ) -> Leg | None:
+    def _rejoin(self, bot: int, goal: int, ready: float, loaded: bool, depart_by: float, blocked: Mask) -> Leg | None:
         """A leg from beside the graph: straight to a waypoint that nobody else will pass, and on from there."""
         stand, roads = self._stands[bot], self._roads
         for waypoint in self._nearby.ways_back(stand.point, loaded, blocked, goal):

@@ -1,0 +1,165 @@
+"""Which buckets are fetched next, for which stations, by which bots."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from soup_managers.coordination.digging import Digging
+from soup_managers.coordination.explain import Explain
+from soup_managers.coordination.places import Places
+from soup_managers.coordination.robots import Purpose, Robot
+from soup_managers.coordination.situation import Situation
+from soup_managers.policies.coordinated import Coordinated
+
+TRIES = 8  # buckets that are looked at for a station
+UNREACHABLE_S = 5.0  # how long a bucket is left alone after no way led to it
+DIG_DISCOUNT = 0.5  # what a bucket is worth for each other one that must be moved first
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """A bucket that is to be fetched.
+
+    Attributes:
+        bucket: The bucket.
+        station: The station that it is for, -1 for none.
+        digs: Whether it only has to go, because it is in the way of the one that the station wants.
+    """
+
+    bucket: int
+    station: int
+    digs: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Fetch:
+    """A bot that is to fetch a bucket."""
+
+    robot: Robot
+    wanted: Wanted
+
+
+class Fetching:
+    """Matches stations that run out of work with buckets, and those with idle bots, by the policies' scores."""
+
+    def __init__(
+        self, situation: Situation, policy: Coordinated, places: Places, digging: Digging, explain: Explain
+    ) -> None:
+        self._situation, self._policy, self._places, self._digging = situation, policy, places, digging
+        self._explain = explain
+        self._diggers: dict[int, Robot] = {}  # who clears the way to a bucket, by the station that wants it
+        self._not_before = np.zeros(situation.view.scenario.buckets)  # when each bucket may be thought of again (s)
+
+    def unreachable(self, bucket: int, now: float) -> None:
+        """No way led to a bucket."""
+        self._not_before[bucket] = now + UNREACHABLE_S
+
+    def choose(self, now: float) -> list[Fetch]:
+        """The buckets to fetch now, at most one for each station that is short, as far as idle bots go."""
+        situation = self._situation
+        idle = [robot.number for robot in situation.robots if robot.idle]
+        if not idle:
+            return []
+        short = [(situation.ahead_s(station), station) for station in situation.short_word_stations()]
+        short += [(situation.ahead_s(station), station) for station in situation.short_letter_stations()]
+        stations = [station for _, station in sorted(short)][: len(idle)]
+        wanted = self._choose_buckets(stations, idle, now)
+        fetches = self._choose_bots(wanted, idle, now)
+        self._diggers |= {fetch.wanted.station: fetch.robot for fetch in fetches if fetch.wanted.digs}
+        return fetches
+
+    def dig_out(self, spot: int, now: float) -> Fetch | None:
+        """Move the first bucket that is in the way out of a spot; None where that cannot be, or is under way."""
+        idle = [robot.number for robot in self._situation.robots if robot.idle]
+        bucket = self._outermost(spot)
+        if bucket < 0 or not self._is_reachable(bucket, idle):
+            return None
+        return next(iter(self._choose_bots([Wanted(bucket, -1, True)], idle, now)), None)
+
+    # ---- bots ----------------------------------------------------------------------------------------------
+
+    def _choose_bots(self, wanted: list[Wanted], idle: list[int], now: float) -> list[Fetch]:
+        """A bot for each bucket, as far as they go; who stands under a bucket fetches it, nobody else could."""
+        situation = self._situation
+        under = {situation.robots[bot].waypoint: bot for bot in idle}
+        fetches, others = [], []
+        free = np.ones(len(idle), bool)
+        for want in wanted:
+            bot = under.get(int(situation.spot_of[want.bucket]), -1)
+            if bot >= 0:
+                fetches.append(Fetch(situation.robots[bot], want))
+                free[idle.index(bot)] = False
+            else:
+                others.append(want)
+        if not others:
+            return fetches
+        bots = np.array(idle, np.int32)[free]
+        free = free[free]
+        places = [self._spot_xy(want.bucket) for want in others]
+        costs = self._policy.bots.match(situation, bots, places) if len(bots) else []
+        for want, cost in zip(others, costs, strict=False):
+            usable = np.where(free, cost, np.inf)
+            if not np.isfinite(usable).any():
+                break
+            self._explain.choice("bots", now, -usable, bots, bucket=want.bucket)
+            best = int(usable.argmin())
+            free[best] = False
+            fetches.append(Fetch(situation.robots[int(bots[best])], want))
+        return fetches
+
+    def _spot_xy(self, bucket: int) -> tuple[float, float]:
+        x, y = self._situation.layout.waypoints[self._situation.spot_of[bucket]]
+        return float(x), float(y)
+
+    # ---- buckets -------------------------------------------------------------------------------------------
+
+    def _choose_buckets(self, stations: list[int], idle: list[int], now: float) -> list[Wanted]:
+        """A bucket for each station, where there is one."""
+        situation, policy = self._situation, self._policy
+        words = [situation.want(station) for station in stations if situation.is_word_station(station)]
+        word_scores = iter(policy.buckets.match(situation, words) if words else [])
+        wants = iter(words)
+        depths = self._digging.depths(self._places.closed)[np.maximum(situation.spot_of, 0)]
+        chosen: dict[int, Wanted] = {}
+        for station in stations:
+            if situation.is_word_station(station):
+                allowed = next(wants).tiles > 0
+                scores = next(word_scores)
+            else:
+                fill = situation.fill(station)
+                allowed = fill.room >= situation.horizons.least_room
+                scores = policy.fills.score(situation, fill)
+            scores = np.where(allowed & situation.free_buckets & (self._not_before <= now), scores, 0.0)
+            if self._digging.needed:
+                scores = scores * DIG_DISCOUNT**depths
+            self._explain.choice("buckets", now, scores, station=station)
+            for bucket in np.argsort(-scores, kind="stable")[: TRIES + len(chosen)].tolist():
+                if scores[bucket] <= 0.0:
+                    break
+                first = self._first_to_move(bucket, int(depths[bucket]), station)
+                if first >= 0 and first not in chosen and self._is_reachable(first, idle):
+                    chosen[first] = Wanted(first, station, first != bucket)
+                    break
+        return list(chosen.values())
+
+    def _is_reachable(self, bucket: int, idle: list[int]) -> bool:
+        """Whether no bot is under a bucket, or an idle one, which can fetch it itself."""
+        spot = int(self._situation.spot_of[bucket])
+        return not self._places.taken[spot] or any(self._situation.robots[bot].waypoint == spot for bot in idle)
+
+    def _first_to_move(self, bucket: int, depth: int, station: int) -> int:
+        """The bucket itself or, where others are in its way, the first of them that can be moved; -1 for none."""
+        if not depth:
+            return bucket
+        digger = self._diggers.get(station)
+        if digger is not None and digger.purpose is Purpose.FETCH:
+            return -1
+        return self._outermost(int(self._situation.spot_of[bucket]))
+
+    def _outermost(self, spot: int) -> int:
+        """The first bucket that is to be moved so that one can get out of a spot, -1 where that is under way."""
+        in_the_way = self._digging.in_the_way(self._places.closed, spot)
+        bucket = self._situation.view.bucket_on.get(in_the_way[0], -1) if in_the_way else -1
+        return bucket if bucket >= 0 and self._situation.free_buckets[bucket] else -1
