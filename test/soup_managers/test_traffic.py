@@ -190,8 +190,8 @@ def assert_nobody_touches(legs_of: dict[int, list[Leg]], body: float) -> None:
     tracks = {}
     for bot, legs in legs_of.items():
         track = []
-        for leg, following in pairwise([*legs, None]):
-            until = following.depart if following else FOREVER
+        untils = [following.depart for following in legs[1:]] + [FOREVER]
+        for leg, until in zip(legs, untils, strict=True):
             track += pieces(leg, until)
         x = [p[2][0] for p in track]
         y = [p[2][1] for p in track]

@@ -522,8 +522,7 @@ class CoordinatedFleet(Manager):
     def _worth_waiting(self, robot: Robot) -> bool:
         """Whether a bucket stays at a letter station that has nothing for it just now."""
         room = self.situation.room(robot.bucket)
-        alone = len(self.situation.bound[robot.station]) == 1
-        return room > KEEP_ROOM and alone and 4 * room > self.situation.stock.capacity
+        return room > KEEP_ROOM and 4 * room > self.situation.stock.capacity
 
     def _serve_on(self, robot: Robot, now: float) -> bool:
         scores = self._policy.onward.score(self.situation, robot)

@@ -65,7 +65,7 @@ class Horizons:
     """How far the fleet looks ahead.
 
     Attributes:
-        word_s: A word station is short if it has less work ahead (s).
+        word_s: A word station is short if it has less work ahead (s) when a bucket from anywhere could be there.
         letter_s: The same for a letter station.
         most: Buckets bound for a station at the same time, at most.
         word_least: A word station with fewer is short, whatever they bring.
@@ -73,11 +73,11 @@ class Horizons:
         least_room: A bucket with less room is not filled.
     """
 
-    word_s: float = 120.0
-    letter_s: float = 150.0
+    word_s: float = 60.0
+    letter_s: float = 60.0
     most: int = 7
     word_least: int = 3
-    letter_least: int = 2
+    letter_least: int = 1
     least_room: int = 16
 
 
@@ -97,6 +97,7 @@ class Situation:
         spot_of: The storage spot of each bucket (waypoint), shape (buckets,).
         first_place: Where each bucket was when the fleet manager began (m), shape (buckets, 2).
         robot_xy: Where each bot stands or will stand (m), shape (bots, 2).
+        approach_s: The way from a storage spot to each station, on average (s).
         to_words_s: The way from each waypoint to the nearest word station (s), shape (waypoints,).
         kind_share: Share of each kind in all tiles in buckets at the start, shape (kinds,).
         fetch_s: A usual time for a bot to get to a bucket (s).
@@ -118,6 +119,8 @@ class Situation:
         self._word_transfer_s = scenario.word_station.transfer_s
         self._letter_transfer_s = scenario.letter_station.transfer_s
         self.to_words_s = np.min([traffic.times_to(dock) for dock in self.docks[: self.word_stations]], axis=0)
+        spots = layout.storage_spots
+        self.approach_s = [float(traffic.times_to(dock)[spots].mean()) for dock in self.docks]
         self.first_place = np.zeros((0, 2))
         self._outlooks: dict[int, tuple[float, NDArray[np.int64], Ints]] = {}
         self.take_over()
@@ -211,7 +214,7 @@ class Situation:
             bound = len(self.bound[station])
             if bound < horizons.most:
                 ahead, kinds, _ = self.outlook(station)
-                if len(kinds) and (bound < horizons.word_least or ahead < horizons.word_s):
+                if len(kinds) and (bound < horizons.word_least or ahead < horizons.word_s + self.approach_s[station]):
                     short.append(station)
         return short
 
@@ -223,7 +226,7 @@ class Situation:
             bound = len(self.bound[station])
             few = bound < horizons.letter_least
             wanted = bound < horizons.most and self.jobs.at[station]
-            if wanted and (few or self.ahead_s(station) < horizons.letter_s):
+            if wanted and (few or self.ahead_s(station) < horizons.letter_s + self.approach_s[station]):
                 short.append(station)
         return short
 
