@@ -12,6 +12,7 @@ import numpy as np
 from soup_bots.crew import FOR_BOTS, Crew
 from soup_bots.steering import KNOWN as STEERING
 from soup_bots.steering.base import Steering
+from soup_managers.explain import Explain, Sink
 from soup_managers.letter_manager import LetterManager
 from soup_managers.make_fleet import load_fleet, make_fleet
 from soup_managers.policies import LETTER, WORD, AnyFleet, LetterPolicy, WordPolicy
@@ -57,9 +58,17 @@ class Headless:
         policies: Which policies to follow.
         seed: Seed of the minds' randomness.
         on_event: Called with every event, in order.
+        explain: Is told every decision of the managers.
     """
 
-    def __init__(self, world: World, policies: Policies, seed: int, on_event: EventSink | None = None) -> None:
+    def __init__(
+        self,
+        world: World,
+        policies: Policies,
+        seed: int,
+        on_event: EventSink | None = None,
+        explain: Sink | None = None,
+    ) -> None:
         self.world = world
         scenario, layout = world.scenario, world.layout
         self._on_event = on_event
@@ -67,9 +76,9 @@ class Headless:
         rngs = [np.random.Generator(np.random.PCG64(s)) for s in np.random.SeedSequence([seed, 1]).spawn(4)]
         view = WarehouseView(scenario, layout)
         profile = self.world.tile_profile
-        self.word = WordManager(scenario, layout, minds.word, view, rngs[0])
-        self.letter = LetterManager(scenario, layout, minds.letter, view, rngs[1], profile)
-        self.fleet = make_fleet(scenario, layout, minds.fleet, view, rngs[2])
+        self.word = WordManager(scenario, layout, minds.word, view, rngs[0], Explain(explain))
+        self.letter = LetterManager(scenario, layout, minds.letter, view, rngs[1], profile, Explain(explain))
+        self.fleet = make_fleet(scenario, layout, minds.fleet, view, rngs[2], Explain(explain))
         self.crew = Crew(scenario, layout, range(scenario.bots), minds.bot, rngs[3])
         self._all = (self.word, self.letter, self.fleet, self.crew)
         self._queue: deque[tuple[Any, Message]] = deque()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 from rich.console import Console
@@ -28,14 +29,16 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     args.add_scenario(parser, ROOT / "config/scenarios/demo.yaml")
     args.add_policies(parser, ROOT / "config/policies/minimal.yaml", ROLES)
     args.add_run(parser)
+    args.add_explain(parser)
     parser.add_argument("--replications", type=args.replications, default=1, metavar="N", help="runs with other seeds")
     parser.add_argument("--processes", type=args.processes, metavar="N", help="runs at once; without: one a core")
     args.add_live_only(parser)
     parsed = parser.parse_args(argv)
     parsed.duration = parsed.duration or DEFAULT_DURATION_S
     args.check_run(parser, parsed)
-    if parsed.replications > 1 and parsed.event_log is not None:
-        parser.error("--event-log: found --replications above 1; allowed: one run")
+    for name in ("event_log", "explain"):
+        if parsed.replications > 1 and getattr(parsed, name) is not None:
+            parser.error(f"--{name.replace('_', '-')}: found --replications above 1; allowed: one run")
     return parsed
 
 
@@ -72,18 +75,18 @@ def _one(plan: RunPlan, options: argparse.Namespace, console: Console) -> Summar
         TextColumn("{task.completed:,.0f} s"),
         TimeRemainingColumn(),
     )
-    log = open_log(options.event_log) if options.event_log is not None else None
-    try:
-        with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-            task = bar.add_task(plan.warehouse.scenario.name, total=plan.duration_s)
+    with ExitStack() as files:
+        log, decisions = [
+            files.enter_context(open_log(path)) if path is not None else None
+            for path in (options.event_log, options.explain)
+        ]
+        bar = files.enter_context(Progress(*columns, console=console, transient=True, disable=not console.is_terminal))
+        task = bar.add_task(plan.warehouse.scenario.name, total=plan.duration_s)
 
-            def show(run: Headless) -> None:
-                bar.update(task, completed=run.world.now)
+        def show(run: Headless) -> None:
+            bar.update(task, completed=run.world.now)
 
-            summary = run_once(plan, options.seed, log, show)
-    finally:
-        if log is not None:
-            log.close()
+        summary = run_once(plan, options.seed, log, show, decisions)
     Console().print(table(summary))
     return summary
 

@@ -14,6 +14,7 @@ from typing import IO, Any
 from scipy.stats import t as student
 
 from soup_lab.headless import Headless
+from soup_managers.explain import write_lines
 from soup_msgs_py.messages import Event
 from soup_msgs_py.policies import Policies
 from soup_sim.event_log import EventLog
@@ -36,7 +37,13 @@ class RunPlan:
     warmup_s: float = 0.0
 
 
-def run_once(plan: RunPlan, seed: int, event_log: IO[str] | None = None, progress: Progress | None = None) -> Summary:
+def run_once(
+    plan: RunPlan,
+    seed: int,
+    event_log: IO[str] | None = None,
+    progress: Progress | None = None,
+    explain: IO[str] | None = None,
+) -> Summary:
     """Run a warehouse in this process and judge it.
 
     Args:
@@ -44,6 +51,7 @@ def run_once(plan: RunPlan, seed: int, event_log: IO[str] | None = None, progres
         seed: Seed of all randomness.
         event_log: Where to write events as JSON lines.
         progress: Called every few simulated seconds.
+        explain: Where to write the managers' decisions as JSON lines.
 
     Returns:
         The summary.
@@ -60,7 +68,7 @@ def run_once(plan: RunPlan, seed: int, event_log: IO[str] | None = None, progres
     started = time.perf_counter()
     world = warehouse.world(seed, plan.warmup_s)
     judges.append(Judge(warehouse.scenario, warehouse.layout, world.snapshot()))
-    run = Headless(world, plan.policies, seed, on_event)
+    run = Headless(world, plan.policies, seed, on_event, write_lines(explain) if explain is not None else None)
     now = 0.0
     while now < plan.duration_s:
         now = min(now + JUDGED_EVERY_S, plan.duration_s)
@@ -122,5 +130,5 @@ def combine(summaries: list[Summary]) -> Summary:
 
 
 def open_log(path: Path) -> IO[str]:
-    """A file for an event log; the caller closes it."""
+    """A file for an event log or for decisions; the caller closes it."""
     return path.open("w", encoding="utf-8", buffering=1 << 20)

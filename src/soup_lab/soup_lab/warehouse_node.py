@@ -47,17 +47,16 @@ def parse(argv: Sequence[str] | None, scenario: Path | None, policies: Path | No
     args.add_scenario(parser, scenario)
     args.add_policies(parser, policies, ROLES)
     args.add_run(parser)
+    args.add_explain(parser)
     args.add_speed(parser)
     parser.add_argument("--bot-processes", type=args.processes, metavar="N", help="processes that share the bots")
     parser.add_argument("--no-dashboard", action="store_true", help="without the browser page")
     parser.add_argument("--port", type=args.port, default=8080, help="of the browser page")
     parser.add_argument("--record", metavar="DIR", help="comes later")
-    parser.add_argument("--explain", metavar="FILE", help="comes later")
     options = parser.parse_args(argv)
     args.check_run(parser, options)
-    for name in ("record", "explain"):
-        if getattr(options, name) is not None:
-            parser.error(f"--{name}: comes later; allowed: a run without it")
+    if options.record is not None:
+        parser.error("--record: comes later; allowed: a run without it")
     return options
 
 
@@ -100,6 +99,8 @@ def run(options: argparse.Namespace) -> int:
                 show(from_statistics(message), watch.at_work.get(WORLD, {}).get(WAITS, ""))
 
             live.subscribe(node, msg.Statistics, topics.STATISTICS, show_figures, DISPLAY)
+            if options.explain is not None:
+                options.explain.write_text("", encoding="utf-8")  # the managers append to it
             for part in parts:
                 processes.start(part)
             get_ready(live, node, processes, watch, [part.name for part in parts], bots)
@@ -139,9 +140,10 @@ def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], summa
     if options.event_log is not None:
         world += ["--event-log", str(options.event_log)]
     parts = [Part(WORLD, "soup_sim.world_node", tuple(world))]
+    explain = ("--explain", str(options.explain)) if options.explain is not None else ()
     for role in ("word", "letter", "fleet"):
         module = f"soup_managers.{role}_manager_node"
-        parts.append(Part(f"{role} manager", module, policy_arguments(options, role)))
+        parts.append(Part(f"{role} manager", module, (*policy_arguments(options, role), *explain)))
     for group in groups:
         numbers = args.written_bots(group)
         arguments = (numbers, *policy_arguments(options, "bot"))

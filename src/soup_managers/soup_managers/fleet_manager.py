@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from soup_managers.bitset import members
+from soup_managers.explain import Explain
 from soup_managers.fleet_state import FleetState
 from soup_managers.fleet_tasks import Task, common_tiles, goal_tiles
 from soup_managers.manager import Manager
@@ -54,10 +55,12 @@ class FleetManager(Manager):
         view: WarehouseView,
         rng: np.random.Generator,
         router: Router | None = None,
+        explain: Explain | None = None,
     ) -> None:
         super().__init__(view)
         self._layout = layout
         self._policy = policy
+        self._explain = explain or Explain()
         self._fleet = FleetState(scenario, layout, view, router or Router(layout), rng)
         self._book = self._fleet.book
         self._trips_asked = 0
@@ -276,6 +279,9 @@ class FleetManager(Manager):
             return False
         self._trips_asked += 1
         said.append(TripGoal(plan.bot, trip))
+        self._explain.now = now
+        station = plan.visits[0].station if plan.visits else -1
+        self._explain.choice("trips", plan.bucket, np.zeros(0), bot=plan.bot, station=station, spot=plan.spot)
         return True
 
     def _store(self, bot: int, now: float, said: list[Message]) -> None:

@@ -11,6 +11,7 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.serialization import deserialize_message
 from soup_msgs import action, msg, srv
 
+from soup_managers.explain import Explain
 from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
 from soup_managers.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView
@@ -50,15 +51,16 @@ LOOK_AT_BOTS_S = 0.2
 class FleetManagerNode:
     """Node `/fleet_manager`."""
 
-    def __init__(self, live: Live, choice: PolicyChoice, seed: int) -> None:
+    def __init__(self, live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> None:
         """Make the node; the bots are looked for when the world has told how many there are.
 
         Args:
             live: The process.
             choice: The fleet policy.
             seed: Seed of its random numbers.
+            explain: Is told its decisions.
         """
-        self._live, self._choice, self._seed = live, choice, seed
+        self._live, self._choice, self._seed, self._explain = live, choice, seed, explain
         self._node = node = live.node(topics.FLEET_MANAGER_NODE)
         self._tasks = node.create_publisher(msg.Tasks, topics.TASKS, LATCHED)
         self._world = node.create_client(srv.SetStorageSpot, topics.SET_STORAGE_SPOT)
@@ -102,7 +104,8 @@ class FleetManagerNode:
         policy = load_fleet(self._choice)
         self._is_new = True
         view = WarehouseView(world.scenario, world.layout)
-        self._fleet = make_fleet(world.scenario, world.layout, policy, view, role_rng("fleet", self._seed))
+        rng = role_rng("fleet", self._seed)
+        self._fleet = make_fleet(world.scenario, world.layout, policy, view, rng, self._explain)
         return self._fleet
 
     # ---- the other managers -------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from soup_managers.explain import Explain
 from soup_managers.policies.letter import LetterPolicy
 from soup_managers.station_manager import StationManager
 from soup_managers.view import WarehouseView
@@ -29,6 +30,7 @@ class LetterManager(StationManager):
         view: WarehouseView,
         rng: np.random.Generator,
         tile_profile: Floats,
+        explain: Explain | None = None,
     ) -> None:
         """Make a letter manager.
 
@@ -39,10 +41,12 @@ class LetterManager(StationManager):
             view: What it knows of the world.
             rng: For the policy's random draws.
             tile_profile: Expected share of each tile kind in all tiles, shape (kinds,).
+            explain: Is told what the policy's choices are made of.
         """
         words = len(layout.word_stations)
-        super().__init__(view, range(words, words + len(layout.letter_stations)))
+        super().__init__(view, range(words, words + len(layout.letter_stations)), explain)
         self._policy = policy
+        policy.explain = self._explain
         self._rng = rng
         self._target = tile_profile * (scenario.initial_inventory * scenario.buckets * scenario.bucket.capacity)
 

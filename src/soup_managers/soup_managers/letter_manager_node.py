@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from soup_msgs import action, srv
 
+from soup_managers.explain import Explain
 from soup_managers.letter_manager import LetterManager
 from soup_managers.policies import LETTER, LetterPolicy
 from soup_managers.station_manager_node import StationManagerNode, role_rng, run_manager
@@ -20,14 +21,14 @@ from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.wire import Announcement
 
 
-def make_node(live: Live, choice: PolicyChoice, seed: int) -> StationManagerNode:
+def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> StationManagerNode:
     """Node `/letter_manager`: assigns bundles by a service of the world, has the fleet store them."""
 
     def make_mind(world: Announcement) -> LetterManager:
         policy = load_policy(choice, "letter", LETTER, LetterPolicy)
         view = WarehouseView(world.scenario, world.layout)
         profile = np.array(world.tile_profile)
-        return LetterManager(world.scenario, world.layout, policy, view, role_rng("letter", seed), profile)
+        return LetterManager(world.scenario, world.layout, policy, view, role_rng("letter", seed), profile, explain)
 
     return StationManagerNode(
         live,

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from soup_managers.coordination.fleet import CoordinatedFleet
+from soup_managers.explain import Explain
 from soup_managers.fleet_manager import FleetManager
 from soup_managers.policies import FLEET
 from soup_managers.policies.coordinated import Coordinated
@@ -36,9 +34,9 @@ def make_fleet(
     policy: AnyFleet,
     view: WarehouseView,
     rng: np.random.Generator,
-    explain: Callable[[dict[str, Any]], None] | None = None,
+    explain: Explain | None = None,
 ) -> Fleet:
-    """Make the fleet manager that works by a policy; `explain` is told each decision of a coordinated one.
+    """Make the fleet manager that works by a policy; `explain` is told its decisions.
 
     Compiled code is loaded here, not while bots wait for their first trip.
     """
@@ -47,5 +45,5 @@ def make_fleet(
     if isinstance(policy, FleetPolicy):
         router = Router(layout)
         router.route(int(layout.storage_spots[0]), int(layout.word_stations[0]))
-        return FleetManager(scenario, layout, policy, view, rng, router)
+        return FleetManager(scenario, layout, policy, view, rng, router, explain)
     raise TypeError(f"{type(policy).__name__} extends neither FleetPolicy nor Coordinated")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from soup_managers.explain import Explain
 from soup_managers.manager import Manager
 from soup_managers.request import ASK_AGAIN_S, Request
 from soup_managers.view import WarehouseView
@@ -21,8 +22,9 @@ class StationManager(Manager):
 
     kind: str
 
-    def __init__(self, view: WarehouseView, stations: range) -> None:
+    def __init__(self, view: WarehouseView, stations: range, explain: Explain | None) -> None:
         super().__init__(view)
+        self._explain = explain or Explain()
         self._stations = stations
         self._request = Request()
         self._goal_due: dict[int, float] = {}  # jobs whose task ended too early, and when to ask again
@@ -65,6 +67,7 @@ class StationManager(Manager):
         if self.view.ready and not self.view.lost and self._request.is_allowed(now):
             places = self.view.free_places
             free = [station for station in self._stations if places[station] > 0]
+            self._explain.now = now
             choice = self.choose(free) if free else None
             if choice is not None:
                 self._request.send(choice, now)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from soup_msgs import msg
 
+from soup_managers.explain import Explain, write_lines
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import Parser, seed
+from soup_msgs_py.arguments import Parser, add_explain, seed
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.actions import GoalClient
 from soup_msgs_py.live.domain import stay_on_this_machine
@@ -106,7 +108,7 @@ def run_manager(
     role: str,
     policies: Path | None,
     check: Callable[[PolicyChoice], object],
-    make_node: Callable[[Live, PolicyChoice, int], object],
+    make_node: Callable[[Live, PolicyChoice, int, Explain], object],
 ) -> int:
     """The program of any manager; its exit status.
 
@@ -115,20 +117,26 @@ def run_manager(
         role: word, letter or fleet.
         policies: The policies file where the command line names none.
         check: Raises `InputError` for a policy that cannot be.
-        make_node: Makes the node for a policy and a seed.
+        make_node: Makes the node for a policy, a seed and what is told of its decisions.
     """
     parser = Parser(f"Run the {role} manager.")
     parser.add_argument("--policy", metavar="NAME|FILE.py:Class", help=f"the {role} policy")
     parser.add_argument("--policies", type=Path, default=policies, metavar="FILE")
     parser.add_argument("--seed", type=seed, default=0, help="of the random numbers of the policy")
+    add_explain(parser)
     options = parser.parse_args(argv)
 
     def run() -> None:
         choice = getattr(load_policies(options.policies, {role: options.policy}), role)
         check(choice)
         stay_on_this_machine()
-        with Live(f"{role} manager") as live:
-            make_node(live, choice, options.seed)
+        with ExitStack() as files:
+            sink = None
+            if options.explain is not None:
+                # whole lines at the end: the managers of one warehouse may share the file
+                sink = write_lines(files.enter_context(options.explain.open("a", encoding="utf-8", buffering=1)))
+            live = files.enter_context(Live(f"{role} manager"))
+            make_node(live, choice, options.seed, Explain(sink))
             live.spin()
 
     return exit_status(run)

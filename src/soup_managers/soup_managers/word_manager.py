@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from soup_managers.explain import Explain
 from soup_managers.policies.word import WordPolicy
 from soup_managers.station_manager import StationManager
 from soup_managers.view import WarehouseView
@@ -28,9 +29,11 @@ class WordManager(StationManager):
         policy: WordPolicy,
         view: WarehouseView,
         rng: np.random.Generator,
+        explain: Explain | None = None,
     ) -> None:
-        super().__init__(view, range(len(layout.word_stations)))
+        super().__init__(view, range(len(layout.word_stations)), explain)
         self._policy = policy
+        policy.explain = self._explain
         self._rng = rng
         self._handlers |= {Bound: self._handle_bound}
 

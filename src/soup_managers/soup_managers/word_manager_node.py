@@ -8,6 +8,7 @@ from pathlib import Path
 
 from soup_msgs import action, srv
 
+from soup_managers.explain import Explain
 from soup_managers.policies import WORD, WordPolicy
 from soup_managers.station_manager_node import StationManagerNode, role_rng, run_manager
 from soup_managers.view import WarehouseView
@@ -19,13 +20,13 @@ from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.wire import Announcement
 
 
-def make_node(live: Live, choice: PolicyChoice, seed: int) -> StationManagerNode:
+def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> StationManagerNode:
     """Node `/word_manager`: assigns words by a service of the world, has the fleet deliver letters."""
 
     def make_mind(world: Announcement) -> WordManager:
         policy = load_policy(choice, "word", WORD, WordPolicy)
         view = WarehouseView(world.scenario, world.layout)
-        return WordManager(world.scenario, world.layout, policy, view, role_rng("word", seed))
+        return WordManager(world.scenario, world.layout, policy, view, role_rng("word", seed), explain)
 
     return StationManagerNode(
         live,

@@ -135,6 +135,11 @@ def add_run(parser: Parser) -> None:
     parser.add_argument("--event-log", type=output_file, metavar="FILE", help="write all events as JSON lines")
 
 
+def add_explain(parser: Parser) -> None:
+    """Add `--explain`."""
+    parser.add_argument("--explain", type=output_file, metavar="FILE", help="write all decisions as JSON lines")
+
+
 def add_speed(parser: Parser) -> None:
     """Add `--speed`."""
     parser.add_argument("--speed", type=positive, default=1.0, metavar="RTF", help="simulated seconds a wall second")

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from soup_managers.coordination.digging import Digging
-from soup_managers.coordination.explain import Explain
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Purpose, Robot
 from soup_managers.coordination.situation import Situation
+from soup_managers.explain import Explain
 from soup_managers.policies.coordinated import Coordinated
 
 TRIES = 8  # buckets that are looked at for a station
@@ -103,8 +103,8 @@ class Fetching:
             usable = np.where(free, cost, np.inf)
             if not np.isfinite(usable).any():
                 break
-            self._explain.choice("bots", now, -usable, bots, bucket=want.bucket)
             best = int(usable.argmin())
+            self._explain.choice("bots", int(bots[best]), -usable, bots, bucket=want.bucket)
             free[best] = False
             fetches.append(Fetch(situation.robots[int(bots[best])], want))
         return fetches
@@ -134,14 +134,16 @@ class Fetching:
             scores = np.where(allowed & situation.free_buckets & (self._not_before <= now), scores, 0.0)
             if self._digging.needed:
                 scores = scores * DIG_DISCOUNT**depths
-            self._explain.choice("buckets", now, scores, station=station)
+            taken = -1
             for bucket in np.argsort(-scores, kind="stable")[: TRIES + len(chosen)].tolist():
                 if scores[bucket] <= 0.0:
                     break
                 first = self._first_to_move(bucket, int(depths[bucket]), station)
                 if first >= 0 and first not in chosen and self._is_reachable(first, idle):
                     chosen[first] = Wanted(first, station, first != bucket)
+                    taken = bucket
                     break
+            self._explain.choice("buckets", taken, scores, station=station)
         return list(chosen.values())
 
     def _is_reachable(self, bucket: int, idle: list[int]) -> bool:

@@ -9,24 +9,21 @@ reserved ways, each operation at its end one trip without a way::
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 
 from soup_managers.coordination.digging import Digging
-from soup_managers.coordination.explain import Explain
 from soup_managers.coordination.fetching import Fetch, Fetching
 from soup_managers.coordination.jobs import Job
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
 from soup_managers.coordination.situation import Situation
+from soup_managers.explain import Explain
 from soup_managers.manager import Manager
 from soup_managers.policies.coordinated import Coordinated
 from soup_managers.traffic import Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
-from soup_msgs_py.layout import Layout
+from soup_msgs_py.layout import Floats, Layout
 from soup_msgs_py.messages import (
     DELIVER,
     STORE,
@@ -73,11 +70,11 @@ class CoordinatedFleet(Manager):
         policy: Coordinated,
         view: WarehouseView,
         rng: np.random.Generator,
-        explain: Callable[[dict[str, Any]], None] | None = None,
+        explain: Explain | None = None,
     ) -> None:
         super().__init__(view)
         self._scenario, self._layout, self._policy, self._rng = scenario, layout, policy, rng
-        self._explain = Explain(explain)
+        self._explain = explain or Explain()
         self._traffic = Traffic(scenario, layout)
         self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
         self._places = Places(layout, scenario.bots)
@@ -134,6 +131,7 @@ class CoordinatedFleet(Manager):
             if robot.activity is Activity.STANDS and robot.bucket >= 0 and self._digging.needed:
                 self._free_the_way(robot, now)
         self._traffic.forget_before(now)
+        self._explain.now = now
         self._fetch(now)
         return self._act(now)
 
@@ -380,6 +378,7 @@ class CoordinatedFleet(Manager):
 
     def _act(self, now: float) -> list[Message]:
         """Decide what is to be decided, and say it."""
+        self._explain.now = now
         while self._undecided or self._moved_lines:
             if self._undecided:
                 self._onward(self._undecided.pop(0), now)
@@ -526,10 +525,15 @@ class CoordinatedFleet(Manager):
 
     def _serve_on(self, robot: Robot, now: float) -> bool:
         scores = self._policy.onward.score(self.situation, robot)
-        self._explain.choice("onward", now, scores, bot=robot.number, bucket=robot.bucket)
+        station = self._go_on(robot, scores, now)
+        self._explain.choice("onward", station, scores, bot=robot.number, bucket=robot.bucket)
+        return station >= 0
+
+    def _go_on(self, robot: Robot, scores: Floats, now: float) -> int:
+        """Send a bucket to the best station that has a place and a way to it; which, or -1."""
         for station in np.argsort(-scores, kind="stable")[:TRIES].tolist():
             if scores[station] <= 0.0:
-                return False
+                return -1
             slot = self._slot_for(robot, station, now) if station != robot.station else -1
             if slot < 0:
                 continue
@@ -540,9 +544,9 @@ class CoordinatedFleet(Manager):
                 self._bind(robot, station)
                 robot.slot = slot
                 self._lines[station][slot] = robot
-                return True
+                return station
             robot.purpose = before
-        return False
+        return -1
 
     def _store(self, robot: Robot, now: float) -> None:
         """Put the bucket away."""
@@ -558,14 +562,16 @@ class CoordinatedFleet(Manager):
         costs = self._policy.storage.cost(situation, robot.bucket, spots, travel)
         costs = costs + BURIED_S * self._digging.buried(self._places.closed, spots)
         costs = np.where(np.isfinite(travel), costs, np.inf)
-        self._explain.choice("storage", now, -costs, spots, bot=robot.number, bucket=robot.bucket)
         before = robot.purpose
         robot.purpose = Purpose.STORE
         for choice in np.argsort(costs, kind="stable")[:TRIES].tolist():
-            if np.isfinite(costs[choice]) and self._go(robot, int(spots[choice]), now):
+            spot = int(spots[choice])
+            if np.isfinite(costs[choice]) and self._go(robot, spot, now):
                 self._unbind(robot)
+                self._explain.choice("storage", spot, -costs, spots, bot=robot.number, bucket=robot.bucket)
                 return
         robot.purpose = before
+        self._explain.choice("storage", -1, -costs, spots, bot=robot.number, bucket=robot.bucket)
         self._later(robot, now, "no way leads to a free storage spot now")
 
     def _park(self, robot: Robot, now: float) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from soup_managers.explain import Explain
 from soup_managers.view import WarehouseView
 from soup_msgs_py.layout import Floats
 from soup_msgs_py.messages import AssignBundle
@@ -15,8 +16,11 @@ from soup_msgs_py.messages import AssignBundle
 class LetterPolicy(ABC):
     """Decides what the letter stations dispense. Extend it and implement `choose`; nothing else is needed.
 
-    A policy gets its options from the policies file as keyword arguments of its constructor.
+    A policy gets its options from the policies file as keyword arguments of its constructor. It may tell
+    `self.explain` what its choices are made of: `--explain FILE` writes that down.
     """
+
+    explain = Explain()
 
     @abstractmethod
     def choose(
@@ -60,11 +64,13 @@ class Minimal(LetterPolicy):
         shortage = view.wanted - view.stock
         kind = int(shortage.argmax())
         if shortage[kind] > 0:
+            self.explain.choice("letters", kind, np.maximum(shortage, 0), station=station)
             return AssignBundle(station, tile=kind)
         gap = target - view.stock
         kind = int(gap.argmax())
         # the sum of many small gaps must not fill the buckets with what nobody asks for
         if gap[kind] > 0 and gap.sum() > 0:
+            self.explain.choice("letters", kind, gap, station=station)
             return AssignBundle(station, tile=kind)
         return None
 
@@ -88,5 +94,7 @@ class Ahead(Minimal):
                     for tile in word.tiles:
                         left[tile] -= 1
                         if left[tile] < 0:
-                            return AssignBundle(max(stations, key=view.free_places.__getitem__), tile=tile)
+                            station = max(stations, key=view.free_places.__getitem__)
+                            self.explain.choice("letters", tile, np.maximum(-left, 0), station=station)
+                            return AssignBundle(station, tile=tile)
         return super().choose(view, stations, target, rng)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from soup_managers.explain import Explain
 from soup_managers.view import WarehouseView
 from soup_msgs_py.messages import AssignWord
 
@@ -14,13 +15,16 @@ from soup_msgs_py.messages import AssignWord
 class WordPolicy(ABC):
     """Decides what the word stations work at. Extend it and implement `choose`; nothing else is needed.
 
-    A policy gets its options from the policies file as keyword arguments of its constructor.
+    A policy gets its options from the policies file as keyword arguments of its constructor. It may tell
+    `self.explain` what its choices are made of: `--explain FILE` writes that down.
 
     Example:
         class NewestFirst(WordPolicy):
             def choose(self, view, stations, rng):
                 return AssignWord(max(view.waiting_words), stations[0])
     """
+
+    explain = Explain()
 
     @abstractmethod
     def choose(self, view: WarehouseView, stations: Sequence[int], rng: np.random.Generator) -> AssignWord | None:
@@ -56,11 +60,10 @@ class Served(WordPolicy):
         """Largest share of letters that are there or come anyway."""
         station = max(stations, key=view.free_places.__getitem__)
         spare = _spare(view, station)
-        best, best_share = -1, -1.0
-        for number, word in view.waiting_words.items():
-            share = _served(word.tiles, spare) / len(word.tiles)
-            if share > best_share:
-                best, best_share = number, share
+        numbers = np.fromiter(view.waiting_words, np.int64)
+        shares = np.array([_served(word.tiles, spare) / len(word.tiles) for word in view.waiting_words.values()])
+        best = int(numbers[shares.argmax()])
+        self.explain.choice("words", best, shares, numbers, station=station)
         return AssignWord(best, station)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,19 +15,31 @@ Sink = Callable[[dict[str, Any]], None]
 
 
 class Explain:
-    """Tells a sink about choices; without one it costs nothing."""
+    """Tells a sink about choices; without one it costs nothing.
 
-    def __init__(self, sink: Sink | None) -> None:
+    Attributes:
+        now: Simulated time (s); whoever owns this keeps it.
+        wanted: Whether anybody listens: what is only computed to be told need not be computed otherwise.
+    """
+
+    def __init__(self, sink: Sink | None = None) -> None:
         self._sink = sink
+        self.now = 0.0
+        self.wanted = sink is not None
 
     def choice(
-        self, decision: str, now: float, scores: NDArray[Any], names: NDArray[Any] | None = None, **about: int
+        self,
+        decision: str,
+        chosen: int,
+        scores: NDArray[Any],
+        names: NDArray[Any] | None = None,
+        **about: int,
     ) -> None:
         """Tell a choice.
 
         Args:
             decision: Which decision.
-            now: Simulated time (s).
+            chosen: The name of what was chosen, -1 for nothing.
             scores: Of all alternatives, the highest is the best; those that are not finite or 0 are left out.
             names: What the alternatives are called; their index if not given.
             about: What the choice is for.
@@ -36,7 +49,17 @@ class Explain:
         best = [k for k in np.argsort(-scores, kind="stable")[:ALTERNATIVES].tolist() if _counts(float(scores[k]))]
         called = names if names is not None else np.arange(len(scores))
         alternatives = [{"choice": int(called[k]), "score": round(float(scores[k]), 6)} for k in best]
-        self._sink({"time": now, "decision": decision, **about, "alternatives": alternatives})
+        entry = {"time": round(self.now, 6), "decision": decision, **about, "chosen": int(chosen)}
+        self._sink({**entry, "alternatives": alternatives})
+
+
+def write_lines(file: IO[str]) -> Sink:
+    """A sink that writes each choice as one line of JSON."""
+
+    def write(entry: dict[str, Any]) -> None:
+        file.write(json.dumps(entry, separators=(",", ":")) + "\n")
+
+    return write
 
 
 def _counts(score: float) -> bool:
