@@ -246,6 +246,15 @@ def test_a_drive_ends_at_its_last_point(world):
     assert (world.x[0], world.y[0]) == (20.0, 20.0)
 
 
+@pytest.mark.parametrize("code", [Code.COLLIDED, Code.PENALISED, Code.LATE, Code.BUSY])
+def test_a_drive_by_a_timetable_that_was_interrupted_is_over(mind, code):
+    path = only(mind.handle(DriveGoal(3, 5, ((1.0, 1.0), (2.0, 1.0)), (1.0, 3.0)), 0.0), FollowPath)
+    out = mind.handle(reply(path, code), 1.0)
+    assert only(out, DriveResult).code is code
+    assert only(out, BotStatus).phase is Phase.IDLE
+    assert mind.next_wake == NEVER
+
+
 def test_a_new_drive_replaces_the_old_one(mind):
     mind.handle(DriveGoal(3, 1, ((9.0, 9.0),)), 0.0)
     result = only(mind.handle(DriveGoal(3, 2, ((9.0, 1.0),)), 1.0), DriveResult)

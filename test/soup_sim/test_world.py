@@ -103,6 +103,17 @@ def test_stamps_of_a_path_are_kept_where_they_can_be(world: World) -> None:
     assert do(world, m.FollowPath(0, 2, ((5.0, 16.0),), (12.5,))).time == pytest.approx(12.5)
 
 
+def test_a_path_whose_departure_has_passed_is_refused_as_late(world: World) -> None:
+    clear(world)
+    place(world, bot_0=(5.0, 15.0))
+    world.advance(3.0)
+    path = ((5.0, 15.0), (10.0, 15.0))
+    assert do(world, m.FollowPath(0, 1, path, (2.9, 9.0))).code is Code.LATE
+    assert do(world, m.FollowPath(0, 2, path, (3.0, 9.0))).time == pytest.approx(9.0)
+    world.advance(12.0)
+    assert do(world, m.FollowPath(0, 3, ((5.0, 15.0),), (2.9,))).code is Code.DONE
+
+
 def test_a_new_motion_replaces_the_old_one(world: World) -> None:
     clear(world)
     place(world, bot_0=(5.0, 15.0))

@@ -183,9 +183,9 @@ class BotMind(Driver):
         if self._cancelled and self._step is not Step.DRIVE:
             self._learn_bucket(reply)
             return self._end_trip(Code.CANCELLED, "cancelled", now)
-        if code in STRUCK:
+        if code in STRUCK and not self._timed:
             return self.collided(now)
-        if code in PASSES:
+        if code in PASSES and not self._timed:
             self._tries += 1
             self.next_wake = now + self._retry_s * min(self._tries, SLOWEST_RETRY)
             return self.waits(f"tries again: {reply.message}", now)
@@ -235,6 +235,11 @@ class BotMind(Driver):
         self._text = text
         self._reason = ""
         return [*self._start_drive(points, now), *self._tell(now)]
+
+    @property
+    def _timed(self) -> bool:
+        """Whether it drives by a timetable: late is worse than not at all, because others rely on its times."""
+        return self._step is Step.DRIVE and bool(self.stamps)
 
     def _drive_ended(self, reply: BotReply, now: float) -> list[Message]:
         done = reply.code is Code.DONE

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.serialization import deserialize_message
 from soup_msgs import action, msg, srv
 
+from soup_managers.coordination.fleet import CoordinatedFleet
 from soup_managers.explain import Explain
 from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
 from soup_managers.station_manager_node import role_rng, run_manager
@@ -26,6 +28,7 @@ from soup_msgs_py.messages import (
     STORE,
     BotStatus,
     Bound,
+    CancelDrive,
     CancelTask,
     CancelTrip,
     DriveGoal,
@@ -46,6 +49,7 @@ from soup_msgs_py.wire import Announcement, from_ros, to_ros, trip_feedback
 TASKS_PERIOD_S = 0.5
 NOT_YET = "the fleet manager waits for the world"
 LOOK_AT_BOTS_S = 0.2
+LEAD_S = 0.05  # wall time that a drive needs from the fleet over its bot to the world, with room
 
 
 class FleetManagerNode:
@@ -67,6 +71,7 @@ class FleetManagerNode:
         self._bound = node.create_publisher(msg.Bound, topics.BOUND, LATCHED)
         self._fleet: Fleet | None = None
         self._published: tuple[TaskState, ...] | None = None
+        self._looked: tuple[float, float] | None = None  # wall and simulated time of the last look
         self._servers = {
             DELIVER: self._serve(DELIVER, action.DeliverLetters, topics.DELIVER_LETTERS),
             STORE: self._serve(STORE, action.StoreBundle, topics.STORE_BUNDLE),
@@ -87,6 +92,7 @@ class FleetManagerNode:
             DriveGoal: self._ask_to_drive,
             Bound: lambda m: self._bound.publish(to_ros(m)),
             CancelTrip: lambda m: self._bots[m.bot].cancel(m.trip),
+            CancelDrive: lambda m: self._drives[m.bot].cancel(m.drive),
             SetStorageSpot: self._ask_world,
         }
         self._follower = Follower(live, node, self._report, self._make_mind, self._carry, lambda: "")
@@ -180,14 +186,28 @@ class FleetManagerNode:
 
     def _on_poses(self, cdr: bytes) -> None:
         self._poses = cdr
+        if isinstance(self._fleet, CoordinatedFleet) and self._fleet.wants_places:
+            self._tell_poses()
+
+    def _tell_poses(self) -> None:
+        if self._poses and self._follower.in_step:
+            self._follower.tell(from_ros(deserialize_message(self._poses, msg.Bots)))
+            self._poses = b""
+
+    def _set_lead(self, fleet: CoordinatedFleet) -> None:
+        """Have bots told of drives early enough for the speed at which simulated time goes now."""
+        wall = time.monotonic()
+        before, self._looked = self._looked, (wall, self._follower.now)
+        if before is not None and wall > before[0]:
+            fleet.lead_s = LEAD_S * max((self._looked[1] - before[1]) / (wall - before[0]), 1.0)
 
     def _look_at_fleet(self) -> None:
         fleet = self._fleet
         if fleet is None or not self._follower.in_step:
             return
-        if self._poses:
-            self._follower.tell(from_ros(deserialize_message(self._poses, msg.Bots)))
-            self._poses = b""
+        self._tell_poses()
+        if isinstance(fleet, CoordinatedFleet):
+            self._set_lead(fleet)
         tasks = fleet.tasks()
         if tasks != self._published:
             self._published = tasks

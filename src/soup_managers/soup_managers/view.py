@@ -63,6 +63,7 @@ class WarehouseView:
         resting: The buckets that no bot carries, as a bit set.
         with_room: The buckets that are not full, as a bit set.
         bot_x: Last known positions of the bots in metres, shape (bots,); `bot_y` likewise.
+        seen_at: When all of them were last seen (s).
         bot_bucket: The bucket that each bot carries, -1 for none.
         waiting_words: Words on order, the oldest first, by number.
         open_words: Words on word stations, by number.
@@ -100,6 +101,7 @@ class WarehouseView:
         self.with_room = 0
         self._holders: dict[int, int] = {}
         self.bot_x, self.bot_y = np.zeros(bots), np.zeros(bots)
+        self.seen_at = -np.inf
         self.bot_bucket = [-1] * bots
         self.waiting_words: dict[int, Word] = {}
         self.open_words: dict[int, OpenWord] = {}
@@ -183,6 +185,7 @@ class WarehouseView:
     def observe(self, bots: Bots) -> None:
         """Take over where the bots are."""
         self.bot_x[:], self.bot_y[:] = bots.x, bots.y
+        self.seen_at = bots.time
 
     def apply(self, event: Event) -> bool:
         """Take in an event; whether it was new. One that leaves a gap makes the view `lost`."""

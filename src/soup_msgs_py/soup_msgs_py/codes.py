@@ -27,6 +27,7 @@ class Code(StrEnum):
     STATION_FULL = "station_full"
     OFF_FLOOR = "off_floor"
     TOO_FAST = "too_fast"
+    LATE = "late"
     UNKNOWN = "unknown"
     INVALID = "invalid"
     CANCELLED = "cancelled"

@@ -50,7 +50,9 @@ class FollowPath:
     """Drive through `points`, stopping where the direction changes and at the last one (equation 6).
 
     `stamps`, one a point, are the times to be there, or empty: as soon as possible. A point that cannot be
-    reached in time is reached as soon as possible. Answered by a `BotReply` when the last point is reached.
+    reached in time is reached as soon as possible. Where the first point is the bot's own place, the first stamp is
+    its departure: a path that comes after it is refused as late, because others rely on its times.
+    Answered by a `BotReply` when the last point is reached.
     """
 
     bot: int

@@ -16,6 +16,8 @@ from soup_sim.bodies import Contact
 _LONGEST_PATH = 10_000
 _LONGEST_TURN_S = 3600.0
 _HERE = 1e-9  # m
+_OWN_PLACE = 1e-3  # m: a path that begins so near begins where the bot stands
+_IN_TIME = 1e-6  # s: stamps on the wire are whole nanoseconds
 
 
 @dataclass(slots=True)
@@ -84,7 +86,9 @@ class Driving:
     def follow_path(self, request: FollowPath) -> None:
         """Drive through points; answered when the last one is reached."""
         bot, points, stamps = request.bot, request.points, request.stamps
-        problem = self._common.hindrance(bot) or self._path_problem(points, stamps)
+        problem = (
+            self._common.hindrance(bot) or self._path_problem(points, stamps) or self._lateness(bot, points, stamps)
+        )
         if problem is not None:
             self._common.answer(bot, request.request, *problem)
             return
@@ -106,6 +110,16 @@ class Driving:
                     f"no room for a bot at ({x:.3f}, {y:.3f}); x is {left:g} to {right:g} m, y {bottom:g} to {top:g} m"
                 )
         return None
+
+    def _lateness(self, bot: int, points: tuple[Point, ...], stamps: tuple[float, ...]) -> tuple[Code, str] | None:
+        """Why a path that should have begun before now is refused."""
+        now = self._agenda.now
+        if not stamps or now <= stamps[0] + _IN_TIME:
+            return None
+        x, y = self._bodies.place(bot, now)
+        if abs(points[0][0] - x) > _OWN_PLACE or abs(points[0][1] - y) > _OWN_PLACE:
+            return None
+        return Code.LATE, f"a path that departs at {stamps[0]:.3f} s came at {now:.3f} s"
 
     def _drop_path(self, bot: int, code: Code = Code.REPLACED, message: str = "another motion was asked for") -> None:
         path, self._paths[bot] = self._paths[bot], None

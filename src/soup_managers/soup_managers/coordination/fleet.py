@@ -30,6 +30,7 @@ from soup_msgs_py.messages import (
     Bots,
     BotStatus,
     Bound,
+    CancelDrive,
     CancelTask,
     DeliverGoal,
     DriveGoal,
@@ -53,6 +54,7 @@ BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another 
 TRIES = 8  # alternatives that are tried at once
 WAITING_SPOTS = 4  # storage spots near each station that are kept for buckets that wait for a place in its line
 FAR_S = 15.0  # a bot that comes from farther takes the hindmost place in a line
+NEVER_LEFT = frozenset({Code.LATE, Code.BUSY, Code.PENALISED})  # results of drives that did not begin
 KEEP_ROOM = 4  # a bucket with less room is done at a letter station
 
 
@@ -61,6 +63,9 @@ class CoordinatedFleet(Manager):
 
     It owns nothing durable: bots, buckets and stations are as the world tells, and what is bound for where is
     decided anew by a new one.
+
+    Attributes:
+        lead_s: How long before their departure bots are told (s): what a message takes to get to them.
     """
 
     def __init__(
@@ -75,6 +80,7 @@ class CoordinatedFleet(Manager):
         super().__init__(view)
         self._scenario, self._layout, self._policy, self._rng = scenario, layout, policy, rng
         self._explain = explain or Explain()
+        self.lead_s = 0.0
         self._traffic = Traffic(scenario, layout)
         self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
         self._places = Places(layout, scenario.bots)
@@ -86,9 +92,11 @@ class CoordinatedFleet(Manager):
         self._early: list[Message] = []
         self._orders = 0
         self._silent = scenario.bots  # bots that have not told yet what they do
+        self._told_idle: set[int] = set()  # bots whose newest status says that they stand idle
         self._said: list[Message] = []
         self._undecided: list[Robot] = []
         self._moved_lines: set[int] = set()
+        self._lost: dict[int, Robot] = {}  # those for whom something went wrong
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
         self._tell_bound = False
         self._changed: dict[tuple[str, int], Job] = {}
@@ -120,11 +128,17 @@ class CoordinatedFleet(Manager):
             ]
         )
 
+    @property
+    def wants_places(self) -> bool:
+        """Whether it has to see where bots stand."""
+        return bool(self._lost)
+
     def wake(self, now: float) -> list[Message]:
         """Look after all stations, and try again what was not possible."""
         self.next_wake = now + TICK_S
         if not self.view.ready or self.view.lost:
             return []
+        self._find_again(now)
         for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
             del self._waiting[robot.number]
             self._resume(robot, now)
@@ -210,10 +224,15 @@ class CoordinatedFleet(Manager):
             self._early.append(status)
             return []
         robot = self.situation.robots[status.bot]
-        if status.phase is not Phase.IDLE or robot.activity not in (Activity.UNKNOWN, Activity.AWAY):
+        if status.phase is not Phase.IDLE:
+            self._told_idle.discard(robot.number)
             return []
-        if robot.activity is Activity.UNKNOWN:
-            self._silent -= 1
+        self._told_idle.add(robot.number)
+        if robot.activity is Activity.AWAY:
+            robot.failed_at = max(robot.failed_at, status.time)  # where it was seen before, it may not be any more
+        if robot.activity is not Activity.UNKNOWN:
+            return []
+        self._silent -= 1
         self._stands(robot, status.bucket, now)
         if self._silent == 0:
             self._fetch(now)
@@ -231,7 +250,7 @@ class CoordinatedFleet(Manager):
         if robot.activity is not (Activity.DRIVES if drive else Activity.WORKS) or robot.order != number:
             return []
         if result.code is not Code.DONE:
-            self._failed(robot, result.message, now)
+            self._failed(robot, result, now)
         elif drive:
             self._arrived(robot)
         else:
@@ -268,14 +287,15 @@ class CoordinatedFleet(Manager):
     def _stands(self, robot: Robot, bucket: int, now: float) -> None:
         """A bot has told that it stands idle: it can be used from where it is."""
         x, y = float(self.view.bot_x[robot.number]), float(self.view.bot_y[robot.number])
-        if robot.activity is Activity.AWAY:
+        if robot.waypoint >= 0:
             self._places.leave(robot.waypoint)
         robot.waypoint = self._places.nearest(x, y)
         robot.bucket, robot.target = bucket, -1
         robot.activity = Activity.STANDS
         robot.purpose = Purpose.NONE
         self._places.take(robot.waypoint)
-        self._traffic.stand(robot.number, robot.waypoint, now)
+        self._traffic.stand_at(robot.number, x, y, now)
+        self._stop_others(robot)
         self._note_place(robot)
         if bucket >= 0:
             self.situation.free_buckets[bucket] = False
@@ -286,15 +306,38 @@ class CoordinatedFleet(Manager):
             robot.purpose = Purpose.PARK
             self._later(robot, now, "")
 
-    def _failed(self, robot: Robot, message: str, now: float) -> None:
-        """What a bot was asked for went wrong: it is left alone until it tells where it stands."""
+    def _failed(self, robot: Robot, result: DriveResult | TripResult, now: float) -> None:
+        """What a bot was asked for went wrong: it is left alone until it is seen where it stands."""
+        never_left = isinstance(result, DriveResult) and result.code in NEVER_LEFT
+        if never_left and robot.activity is Activity.DRIVES:
+            self._traffic.undo(robot.number, now)
+            self._stop_others(robot)
         self._unbind(robot)
         if robot.target >= 0 and self.view.bucket_bot[robot.target] < 0:
             self.situation.free_buckets[robot.target] = True
         robot.target = -1
         robot.purpose = Purpose.NONE
         robot.activity = Activity.AWAY
-        robot.note = message
+        robot.note = result.message
+        robot.failed_at = now
+        struck = result.code in (Code.COLLIDED, Code.PENALISED)
+        robot.retry_at = now + (self._scenario.bot.collision_penalty_s if struck else RETRY_S)
+        self._lost[robot.number] = robot
+
+    def _stop_others(self, robot: Robot) -> None:
+        """Stop the bots that are to pass where a bot stands for good."""
+        for other in self._traffic.conflicts(robot.number):
+            blocked = self.situation.robots[other]
+            if blocked.activity is Activity.DRIVES:
+                self._said.append(CancelDrive(other, blocked.order))
+
+    def _find_again(self, now: float) -> None:
+        """Bots that went wrong can be used again from where they are seen to stand."""
+        for robot in list(self._lost.values()):
+            seen = self.view.seen_at >= robot.failed_at and robot.number in self._told_idle
+            if seen and robot.retry_at <= now:
+                del self._lost[robot.number]
+                self._stands(robot, int(self.view.bot_bucket[robot.number]), now)
 
     def _note_place(self, robot: Robot) -> None:
         self.situation.robot_xy[robot.number] = self._layout.waypoints[robot.waypoint]
@@ -303,11 +346,13 @@ class CoordinatedFleet(Manager):
 
     def _go(self, robot: Robot, goal: int, now: float) -> bool:
         """Send a bot that stands to a waypoint; False where no way can be planned now."""
-        if robot.waypoint == goal:
+        if self._traffic.at(robot.number) == goal:
             self._arrived(robot)
             return True
         loaded = robot.bucket >= 0
-        leg = self._traffic.plan(robot.number, goal, now, loaded=loaded, blocked_spots=self._places.occupied)
+        leg = self._traffic.plan(
+            robot.number, goal, now + self.lead_s, loaded=loaded, blocked_spots=self._places.occupied
+        )
         if leg is None:
             return False
         self._waiting.pop(robot.number, None)

@@ -42,6 +42,7 @@ class Robot:
         order: The number of the drive or trip that it was asked for last.
         arrives: When its drive ends (s).
         retry_at: When a way that could not be planned is tried again (s).
+        failed_at: When it last told that something went wrong (s).
         note: What it waits for, for people.
     """
 
@@ -57,6 +58,7 @@ class Robot:
     order: int = -1
     arrives: float = 0.0
     retry_at: float = 0.0
+    failed_at: float = 0.0
     note: str = field(default="")
 
     @property

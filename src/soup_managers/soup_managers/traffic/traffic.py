@@ -113,6 +113,17 @@ class Traffic:
         self._legs[bot] = []
         self._stay(bot, _Stand(NOWHERE, (x, y), since, heading))
 
+    def undo(self, bot: int, now: float) -> None:
+        """A bot has not departed on its last leg: it still stands where that begins.
+
+        Others that have meanwhile planned to pass there are its `conflicts`.
+        """
+        if not self._legs[bot]:
+            return
+        _, stand = self._legs[bot].pop()
+        forget_bot(self._table, bot, now)
+        self._stay(bot, _Stand(stand.waypoint, stand.point, now, stand.heading))
+
     def remove(self, bot: int) -> None:
         """Forget a bot altogether."""
         if self._stands.pop(bot, None) is not None:

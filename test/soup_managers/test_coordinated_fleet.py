@@ -1,0 +1,74 @@
+"""The coordinated fleet keeps its bots apart and at work, also where messages are slow and things go wrong."""
+
+from pathlib import Path
+
+import numpy as np
+
+from soup_lab.headless import Headless
+from soup_msgs_py import messages as m
+from soup_msgs_py.codes import Code, EventType
+from soup_msgs_py.policies import load_policies
+from soup_sim.setup import load_warehouse
+
+CONFIG = Path(__file__).resolve().parents[2] / "config"
+STEP_S = 0.05
+
+
+class SlowWires(Headless):
+    """A run in which drives take their time from the fleet to their bots.
+
+    Args:
+        slowest_s: They take up to this, simulated.
+        lead_s: What the fleet believes that they take.
+    """
+
+    def __init__(self, slowest_s: float, lead_s: float, bots: int) -> None:
+        warehouse = load_warehouse(CONFIG / "scenarios/demo.yaml", [f"bots={bots}"])
+        self.late = 0
+        self._under_way: list[tuple[float, m.DriveGoal]] = []
+        self._slowest_s = slowest_s
+        self._delays = np.random.default_rng(5)
+        self.events: list[m.Event] = []
+        super().__init__(
+            warehouse.world(5, 0.0), load_policies(CONFIG / "policies/best.yaml", {}), 5, self.events.append
+        )
+        self.fleet.lead_s = lead_s
+
+    def _say(self, speaker, messages):
+        slow = [message for message in messages if isinstance(message, m.DriveGoal)] if self._slowest_s else []
+        for goal in slow:
+            self._under_way.append((self.world.now + self._delays.uniform(0.0, self._slowest_s), goal))
+        self.late += sum(isinstance(message, m.DriveResult) and message.code is Code.LATE for message in messages)
+        super()._say(speaker, [message for message in messages if message not in slow])
+
+    def run(self, until):
+        while self.world.now < until:
+            super().run(min(until, self.world.now + STEP_S))
+            due = [goal for time, goal in self._under_way if time <= self.world.now]
+            self._under_way = [(time, goal) for time, goal in self._under_way if time > self.world.now]
+            for goal in due:
+                super()._say(self.crew, self.crew.handle(goal, self.world.now))
+            self._carry()
+
+    def count(self, *kinds: EventType) -> int:
+        return sum(event.type in kinds for event in self.events)
+
+    @property
+    def collisions(self) -> int:
+        return self.count(EventType.BOT_COLLISION, EventType.BUCKET_COLLISION)
+
+
+def test_drives_that_are_told_early_enough_lose_hardly_any_word():
+    at_once, slow = SlowWires(0.0, 0.0, 12), SlowWires(0.2, 0.25, 12)
+    at_once.run(600.0)
+    slow.run(600.0)
+    assert at_once.collisions == slow.collisions == 0
+    assert slow.count(EventType.WORD_COMPLETED) >= 0.9 * at_once.count(EventType.WORD_COMPLETED)
+
+
+def test_a_drive_that_comes_too_late_is_refused_and_planned_anew():
+    run = SlowWires(0.3, 0.25, 1)
+    run.run(600.0)
+    assert run.late > 0
+    assert run.collisions == 0
+    assert sum(event.type is EventType.WORD_COMPLETED for event in run.events if event.time > 300.0) > 5
