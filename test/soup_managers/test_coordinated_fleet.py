@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from soup_lab.headless import Headless
+from soup_managers.coordination.fleet import CoordinatedFleet
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.policies import load_policies
@@ -32,6 +33,7 @@ class SlowWires(Headless):
         super().__init__(
             warehouse.world(5, 0.0), load_policies(CONFIG / "policies/best.yaml", {}), 5, self.events.append
         )
+        assert isinstance(self.fleet, CoordinatedFleet)
         self.fleet.lead_s = lead_s
 
     def _say(self, speaker, messages):

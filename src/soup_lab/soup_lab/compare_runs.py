@@ -17,6 +17,7 @@ from soup_lab.compare_identity import code_digest, run_digest
 from soup_lab.runs import RunPlan, Summary, run_once
 from soup_msgs_py.errors import InputError, RunError
 
+LOOK_FOR_STARTER_S = 1.0
 CONNECT_S = 10.0  # how long a dask scheduler may take to answer
 
 
@@ -155,10 +156,12 @@ def _follow_the_starter() -> None:
     code_digest()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     starter = multiprocessing.parent_process()
+    if starter is None:
+        return
 
     def end() -> None:
-        if starter is not None:
-            starter.join()
-            os._exit(1)
+        while os.getppid() == starter.pid:  # the pipe to the starter alone may stay open in a brother
+            starter.join(LOOK_FOR_STARTER_S)
+        os._exit(1)
 
     threading.Thread(target=end, daemon=True).start()
