@@ -19,13 +19,11 @@ class Explain:
 
     Attributes:
         now: Simulated time (s); whoever owns this keeps it.
-        wanted: Whether anybody listens: what is only computed to be told need not be computed otherwise.
     """
 
     def __init__(self, sink: Sink | None = None) -> None:
         self._sink = sink
         self.now = 0.0
-        self.wanted = sink is not None
 
     def choice(
         self,

@@ -308,8 +308,7 @@ class CoordinatedFleet(Manager):
 
     def _failed(self, robot: Robot, result: DriveResult | TripResult, now: float) -> None:
         """What a bot was asked for went wrong: it is left alone until it is seen where it stands."""
-        never_left = isinstance(result, DriveResult) and result.code in NEVER_LEFT
-        if never_left and robot.activity is Activity.DRIVES:
+        if isinstance(result, DriveResult) and result.code in NEVER_LEFT:
             self._traffic.undo(robot.number, now)
             self._stop_others(robot)
         self._unbind(robot)
