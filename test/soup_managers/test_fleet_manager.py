@@ -263,6 +263,17 @@ def test_a_new_fleet_manager_keeps_the_promises_of_trips_under_way(world):
     assert min(goal.trip.trip for goal in goals) > second.trip.trip
 
 
+def test_a_trip_that_a_bot_was_on_in_a_world_that_has_ended_is_not_waited_for(world):
+    (trip,) = Fleet(world, bots=1).trips(WORD)
+    new = Fleet(world, bots=0)
+    new.tell(BotStatus(60.0, 0, Phase.FETCHING, -1, trip.trip, 0, ""), idle(1), idle(2), idle(3), now=7.0)
+    new.trips(WORD, now=7.0)
+    assert 0 in new.mind.tasks()[0].bots
+    new.tell(idle(0, time=0.2), now=7.0)
+    new.mind.wake(10.0)
+    assert 0 not in new.mind.tasks()[0].bots
+
+
 def test_a_new_fleet_manager_waits_a_moment_for_all_bots_to_say_what_they_do(world):
     view = WarehouseView(world.scenario, world.layout)
     mind = FleetManager(world.scenario, world.layout, AllAtOnce(), view, world.rng)

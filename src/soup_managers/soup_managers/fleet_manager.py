@@ -203,7 +203,7 @@ class FleetManager(Manager):
             if active is not None:
                 return []
             if status.trip.trip != self._ended.get(bot):
-                self._fleet.adopt(status, now)
+                self._fleet.adopt(status)
         elif active is not None and status.phase is Phase.IDLE and status.time > active.since:
             self._doubted[bot] = now + RESULT_LATE_S
         self._settle(bot)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -29,7 +30,7 @@ class ActiveTrip:
         trip: As it was asked for.
         spot: The storage spot that it keeps, as a waypoint; -1 for none.
         letters: Those it still has to move.
-        since: When it was asked for (s).
+        since: When it was asked for (s); minus infinity where somebody else has asked.
     """
 
     trip: Trip
@@ -158,8 +159,11 @@ class FleetState:
         self.leave(plan.bot)
         return trip
 
-    def adopt(self, status: BotStatus, now: float) -> None:
-        """Enter a trip that a bot is on already: what it promised counts, whoever asked for it."""
+    def adopt(self, status: BotStatus) -> None:
+        """Enter a trip that a bot is on already: what it promised counts, whoever asked for it.
+
+        It may be one in a world that has ended since: whatever the bot says next counts, early as its time may be.
+        """
         trip = status.trip
         if trip is None:
             return
@@ -171,7 +175,7 @@ class FleetState:
                     letters.append(Letter((0, 0), key, visit.station, move.tile))
                     self.book.promise(letters[-1])
         spot = self.view.spot_at(*trip.store_route[-1]) if trip.store_route else -1
-        self._enter(status.bot, ActiveTrip(trip, spot, letters, now))
+        self._enter(status.bot, ActiveTrip(trip, spot, letters, -math.inf))
         self.leave(status.bot)
 
     def end(self, bot: int, done: bool, now: float) -> None:
