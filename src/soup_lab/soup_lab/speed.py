@@ -1,10 +1,11 @@
-"""How fast the one-process run is, and how its cost grows with the number of bots."""
+"""How fast a run in one process is, and how its cost grows with the number of bots."""
 
 from __future__ import annotations
 
 import math
 import multiprocessing
 import resource
+import statistics
 import time
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor
@@ -13,20 +14,21 @@ from pathlib import Path
 
 from soup_lab.headless import Headless
 from soup_msgs_py.policies import Policies
-from soup_sim.setup import load_warehouse
+from soup_sim.setup import Warehouse, load_warehouse
 
-WARM_S = 60.0  # simulated seconds before the clock starts: compiled code is loaded, bots are on their way
+WARM_S = 60.0  # simulated seconds before the clock starts: bots are on their way
+RUNS = 3  # after one in which kernels are compiled or loaded
 
 
 @dataclass(frozen=True)
 class Measured:
-    """One measurement.
+    """How fast one scenario ran with one set of policies.
 
     Attributes:
         name: What ran.
         bots: How many bots.
-        compile_s: Wall seconds until the first simulated second was over: making, compiling or loading kernels.
-        real_time_factor: Simulated seconds a wall second, after that.
+        compile_s: Wall seconds by which a first run was slower than a second one: compiling or loading kernels.
+        real_time_factor: Simulated seconds a wall second, with all kernels there.
         memory_mb: Most memory that the process ever had resident.
     """
 
@@ -43,18 +45,22 @@ class Measured:
 
 
 def measure(name: str, scenario: Path, overrides: tuple[str, ...], policies: Policies, seconds: float) -> Measured:
-    """Run a scenario in this process for some simulated seconds and time it."""
-    started = time.perf_counter()
+    """Run a scenario in this process for some simulated seconds, a few times, and time it; the median counts."""
     warehouse = load_warehouse(scenario, overrides)
+    first, *others = [_timed(warehouse, policies, seconds) for _ in range(1 + RUNS)]
+    begun_s, wall_s = (statistics.median(times) for times in zip(*others, strict=True))
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+    return Measured(name, warehouse.scenario.bots, max(0.0, sum(first) - begun_s - wall_s), seconds / wall_s, memory)
+
+
+def _timed(warehouse: Warehouse, policies: Policies, seconds: float) -> tuple[float, float]:
+    """Wall seconds until bots are on their way, and for the simulated `seconds` after that."""
+    started = time.perf_counter()
     run = Headless(warehouse.world(1), policies, 1)
-    run.run(1.0)
-    ready = time.perf_counter()
     run.run(WARM_S)
     begun = time.perf_counter()
     run.run(WARM_S + seconds)
-    wall = time.perf_counter() - begun
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    return Measured(name, warehouse.scenario.bots, ready - started, seconds / wall, memory)
+    return begun - started, time.perf_counter() - begun
 
 
 def measure_apart(*arguments: object) -> Measured:
