@@ -103,10 +103,11 @@ class FleetManagerNode:
 
     def _make_mind(self, world: Announcement) -> Fleet:
         for bot in range(len(self._bots), world.scenario.bots):
-            self._bots[bot] = GoalClient(self._live, self._node, action.CarryTrip, topics.bot_topic(bot, topics.TRIP))
-            self._drives[bot] = GoalClient(self._live, self._node, action.Drive, topics.bot_topic(bot, topics.DRIVE))
             status = topics.bot_topic(bot, topics.STATUS)
-            self._live.follow(self._node, msg.BotStatus, status, self._on_status, LATCHED)
+            signs = self._live.follow(self._node, msg.BotStatus, status, self._on_status, LATCHED).get_publisher_count
+            trip, drive = topics.bot_topic(bot, topics.TRIP), topics.bot_topic(bot, topics.DRIVE)
+            self._bots[bot] = GoalClient(self._live, self._node, action.CarryTrip, trip, signs)
+            self._drives[bot] = GoalClient(self._live, self._node, action.Drive, drive, signs)
         policy = load_fleet(self._choice)
         self._is_new = True
         view = WarehouseView(world.scenario, world.layout)
@@ -148,7 +149,10 @@ class FleetManagerNode:
             self._silent[status.bot] = status
 
     def _look_at_bots(self) -> None:
-        """A bot counts as soon as it can be asked for trips. In a new world others may have begun before the fleet."""
+        """A bot counts as soon as it can be asked; one that is gone fails what it was asked for.
+
+        In a new world others may have begun before the fleet.
+        """
         if self._is_new and self._follower.in_step:
             self._is_new = False
             for handles in list(self._goals.values()):
@@ -158,6 +162,8 @@ class FleetManagerNode:
         for bot in [bot for bot in self._silent if self._bots[bot].ready and self._drives[bot].ready]:
             self._known.add(bot)
             self._follower.tell(self._silent.pop(bot))
+        for client in (*self._bots.values(), *self._drives.values()):
+            client.look()
         self._report.values["bots"] = str(len(self._known))
 
     def _ask_bot(self, goal: TripGoal) -> None:

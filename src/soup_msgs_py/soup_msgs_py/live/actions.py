@@ -96,8 +96,18 @@ class GoalClient:
         client: The action client underneath.
     """
 
-    def __init__(self, live: Live, node: Node, kind: Any, name: str) -> None:
-        """Look for the server."""
+    def __init__(self, live: Live, node: Node, kind: Any, name: str, signs: Callable[[], int] | None = None) -> None:
+        """Look for the server.
+
+        Args:
+            live: The process.
+            node: The node that asks.
+            kind: Type of the action.
+            name: Its name.
+            signs: How many publishers of the server's node are seen on a topic that only that node speaks on. A
+                server once found counts as there for as long as that number stays: looking it up in the graph costs
+                the more the larger the graph is, a millisecond and more among hundreds of bots.
+        """
         self.client = ActionClient(
             node,
             kind,
@@ -110,11 +120,18 @@ class GoalClient:
         self._live = live
         self._goals: dict[int, _Goal] = {}
         self._unsent: list[_Goal] = []
+        self._signs = signs
+        self._found_with = 0  # signs when the server was found; 0 where it is not
 
     @property
     def ready(self) -> bool:
         """Whether the server is there."""
-        return self.client.server_is_ready()
+        if self._signs is None:
+            return self.client.server_is_ready()
+        signs = self._signs()
+        if signs != self._found_with:
+            self._found_with = signs if signs > 0 and self.client.server_is_ready() else 0
+        return 0 < signs == self._found_with
 
     def send(
         self, key: int, goal: Any, on_feedback: Callable[[Any], None], on_result: Callable[[Code, str], None]

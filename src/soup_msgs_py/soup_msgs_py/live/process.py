@@ -22,6 +22,7 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.wire import MalformedMessage, from_ros
@@ -74,13 +75,15 @@ class Live:
         take: Callable[[Any], object],
         profile: QoSProfile,
         **options: Any,
-    ) -> None:
+    ) -> Subscription:
         """Hand every message of a topic to `take`; what raises `MalformedMessage` is counted and dropped."""
-        node.create_subscription(kind, topic, self.guard(take), profile, **options)
+        return node.create_subscription(kind, topic, self.guard(take), profile, **options)
 
-    def follow(self, node: Node, kind: type, topic: str, take: Callable[[Any], None], profile: QoSProfile) -> None:
+    def follow(
+        self, node: Node, kind: type, topic: str, take: Callable[[Any], None], profile: QoSProfile
+    ) -> Subscription:
         """Hand every message of a topic, turned into its dataclass, to `take`."""
-        self.subscribe(node, kind, topic, lambda message: take(from_ros(message)), profile)
+        return self.subscribe(node, kind, topic, lambda message: take(from_ros(message)), profile)
 
     def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap a callback: an exception ends the process in order instead of inside the executor."""
