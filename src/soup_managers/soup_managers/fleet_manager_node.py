@@ -13,12 +13,13 @@ from rclpy.serialization import deserialize_message
 from soup_msgs import action, msg, srv
 
 from soup_managers.coordination.fleet import CoordinatedFleet
+from soup_managers.departures import Departures
 from soup_managers.explain import Explain
 from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
 from soup_managers.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView
 from soup_msgs_py import topics
-from soup_msgs_py.codes import Code
+from soup_msgs_py.codes import Code, Phase
 from soup_msgs_py.live.actions import GoalClient, GoalServer
 from soup_msgs_py.live.follower import Follower
 from soup_msgs_py.live.process import Live
@@ -82,6 +83,7 @@ class FleetManagerNode:
         self._newest: dict[int, BotStatus] = {}
         self._silent: dict[int, BotStatus] = {}  # newest status of bots whose trip action is not seen yet
         self._known: set[int] = set()
+        self._departures = Departures()
         self._is_new = False  # another world has begun, and its fleet is not told yet what came before it
         self._report = Report(live, node)
         self._report.values = {"policy": choice.name, "bots": "0"}
@@ -95,7 +97,10 @@ class FleetManagerNode:
             CancelDrive: lambda m: self._drives[m.bot].cancel(m.drive),
             SetStorageSpot: self._ask_world,
         }
-        self._follower = Follower(live, node, self._report, self._make_mind, self._carry, lambda: "")
+        self._follower = Follower(
+            live, node, self._report, self._make_mind, self._carry, lambda: "",
+            holds=lambda: self._departures.earliest(time.monotonic()),
+        )  # fmt: skip
         live.subscribe(node, msg.Bots, topics.BOTS, self._on_poses, DISPLAY, raw=True)
         self._poses = b""
         live.every(TASKS_PERIOD_S, self._look_at_fleet)
@@ -110,6 +115,7 @@ class FleetManagerNode:
             self._drives[bot] = GoalClient(self._live, self._node, action.Drive, drive, signs)
         policy = load_fleet(self._choice)
         self._is_new = True
+        self._departures.clear()
         view = WarehouseView(world.scenario, world.layout)
         rng = role_rng("fleet", self._seed)
         self._fleet = make_fleet(world.scenario, world.layout, policy, view, rng, self._explain)
@@ -143,6 +149,8 @@ class FleetManagerNode:
 
     def _on_status(self, status: BotStatus) -> None:
         self._newest[status.bot] = status
+        if status.phase is Phase.DRIVING:
+            self._departures.confirm(status.bot)
         if status.bot in self._known:
             self._follower.tell(status)
         elif status.bot in self._bots:
@@ -184,8 +192,10 @@ class FleetManagerNode:
         bot, drive = goal.bot, goal.drive
 
         def on_result(code: Code, message: str) -> None:
+            self._departures.confirm(bot)
             self._follower.tell(DriveResult(bot, drive, code, message))
 
+        self._departures.ask(goal, time.monotonic())
         self._drives[bot].send(drive, to_ros(goal), lambda _: None, on_result)
 
     # ---- now and then -------------------------------------------------------------------------------------

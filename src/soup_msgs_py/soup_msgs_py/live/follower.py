@@ -48,6 +48,7 @@ class Follower:
         missing: Callable[[], str],
         concerns: Callable[[Event], bool] | None = None,
         looks: Callable[[], float] = lambda: NEVER,
+        holds: Callable[[], float] = lambda: NEVER,
     ) -> None:
         """Begin to follow.
 
@@ -60,6 +61,8 @@ class Follower:
             missing: What the part waits for besides the world; empty for nothing.
             concerns: Which events the mind is told; all without.
             looks: The simulated time (s) at which the mind wants to look around next.
+            holds: The simulated time (s) that the world must not overtake yet, because what the mind has said for
+                then is still on its way over others. The world is told that it was heard when that has changed.
         """
         self.mind: Mind | None = None
         self.announcement: Announcement | None = None
@@ -71,8 +74,9 @@ class Follower:
         self._carry = carry
         self._missing = missing
         self._concerns = concerns
-        self._looks = looks
-        self._beat = 0  # number of the newest one
+        self._looks, self._holds = looks, holds
+        self._beat, self._beat_time = 0, 0.0  # number and simulated time of the newest one
+        self._owes = False  # whether the world waits to be told that it was heard
         self._asked_for = NEVER  # the next beat
         self._heard = node.create_publisher(msg.Heard, topics.HEARD, EVERY_ONE)
         self._stream = EventStream()
@@ -94,7 +98,9 @@ class Follower:
         """Hand a message to the mind, and what it says to `carry`."""
         if self.mind is not None:
             self._carry(self.mind.handle(message, self.now))
-            if self.begun and self._next() < self._asked_for:
+            if self._owes:
+                self._settle()
+            elif self.begun and self._next() < self._asked_for:
                 self._say_heard()
 
     def _on_announcement(self, announcement: Announcement) -> None:
@@ -103,7 +109,7 @@ class Follower:
         self.announcement = announcement
         self.now = announcement.time
         self._stream.restart()
-        self.begun = False
+        self.begun = self._owes = False
         self.mind = self._make_mind(announcement)
 
     def _on_clock(self, clock: Clock) -> None:
@@ -111,10 +117,16 @@ class Follower:
         self._wake()
 
     def _on_beat(self, beat: Beat) -> None:
-        self._beat = beat.number
+        self._beat, self._beat_time = beat.number, beat.time
         self.now = max(self.now, beat.time)
         if self.begun:
             self._wake()
+            self._owes = True
+            self._settle()
+
+    def _settle(self) -> None:
+        if self._owes and self._holds() > self._beat_time:
+            self._owes = False
             self._say_heard()
 
     def _say_heard(self) -> None:
@@ -122,7 +134,9 @@ class Follower:
         self._heard.publish(to_ros(Heard(self._name, self._beat, self._asked_for)))
 
     def _next(self) -> float:
-        return min(self.mind.next_wake, self._looks()) if self.mind is not None and self.in_step else NEVER
+        if self.mind is None or not self.in_step:
+            return NEVER
+        return min(self.mind.next_wake, self._looks(), self._holds())
 
     def _wake(self) -> None:
         if self.mind is not None and self.in_step and self.mind.next_wake <= self.now:
@@ -139,6 +153,7 @@ class Follower:
 
     def _look(self) -> None:
         """Join as soon as everything is there."""
+        self._settle()
         if self.announcement is None:
             self._report.waits(f"waits for the world (nothing on {topics.SCENARIO} yet)")
             return

@@ -1,0 +1,42 @@
+"""Timed drives that bots were asked for and have not begun: simulated time must not overtake them."""
+
+from __future__ import annotations
+
+from soup_msgs_py.messages import DriveGoal
+from soup_msgs_py.mind import NEVER
+
+PATIENCE_S = (
+    3.0  # wall time; a bot that says nothing for longer is waited for no more: its drive will be refused as late
+)
+
+
+class Departures:
+    """When those depart who have not confirmed their drive. It knows no clock; wall time comes in.
+
+    A drive goes from the fleet over its bot to the world. Were simulated time to go on meanwhile, a busy machine
+    would have many drives refused as late, and planning those anew would make it busier still.
+    """
+
+    def __init__(self) -> None:
+        """Begin with nobody under way."""
+        self._asked: dict[int, tuple[float, float]] = {}  # bot -> departure (simulated s), when it was asked (wall s)
+
+    def ask(self, goal: DriveGoal, wall: float) -> None:
+        """A bot has been asked to drive at wall time `wall` (s); one without stamps departs when it likes."""
+        self._asked.pop(goal.bot, None)
+        if goal.stamps:
+            self._asked[goal.bot] = goal.stamps[0], wall
+
+    def confirm(self, bot: int) -> None:
+        """A bot says that it drives, or that it does not."""
+        self._asked.pop(bot, None)
+
+    def clear(self) -> None:
+        """Another world has begun."""
+        self._asked.clear()
+
+    def earliest(self, wall: float) -> float:
+        """The simulated time (s) that must not be overtaken yet; infinity for none."""
+        for bot in [bot for bot, (_, asked) in self._asked.items() if wall - asked > PATIENCE_S]:
+            del self._asked[bot]
+        return min((depart for depart, _ in self._asked.values()), default=NEVER)
