@@ -1,0 +1,50 @@
+"""The world waits for drives that are on their way to their bots, but for no bot for ever."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from soup_managers.departures import PATIENCE_S, Departures
+from soup_msgs_py.messages import DriveGoal
+from soup_msgs_py.mind import NEVER
+
+TIMES = st.floats(0.0, 1e5, allow_nan=False)
+
+
+def _drive(bot: int, *stamps: float) -> DriveGoal:
+    return DriveGoal(bot, 1, ((0.0, 0.0),) * max(len(stamps), 1), stamps)
+
+
+@given(st.dictionaries(st.integers(0, 20), TIMES), st.sets(st.integers(0, 20)))
+def test_time_stops_at_the_first_departure_that_nobody_has_confirmed(asked: dict[int, float], confirmed: set[int]):
+    departures = Departures()
+    for bot, depart in asked.items():
+        departures.ask(_drive(bot, depart, depart + 5.0), 0.0)
+    for bot in confirmed:
+        departures.confirm(bot)
+    open_ = [depart for bot, depart in asked.items() if bot not in confirmed]
+    assert departures.earliest(0.0) == min(open_, default=NEVER)
+
+
+def test_a_newer_drive_of_a_bot_takes_the_place_of_the_older_one():
+    departures = Departures()
+    departures.ask(_drive(3, 10.0), 0.0)
+    departures.ask(_drive(3, 12.0), 0.0)
+    assert departures.earliest(0.0) == 12.0
+    departures.ask(_drive(3), 0.0)
+    assert departures.earliest(0.0) == NEVER
+
+
+def test_a_silent_bot_is_waited_for_no_longer_than_patience_lasts():
+    departures = Departures()
+    departures.ask(_drive(3, 10.0), 100.0)
+    departures.ask(_drive(4, 11.0), 101.0)
+    assert departures.earliest(100.0 + PATIENCE_S) == 10.0
+    assert departures.earliest(100.5 + PATIENCE_S) == 11.0
+    assert departures.earliest(101.5 + PATIENCE_S) == NEVER
+
+
+def test_another_world_is_not_held_by_the_drives_of_the_last_one():
+    departures = Departures()
+    departures.ask(_drive(3, 10.0), 0.0)
+    departures.clear()
+    assert departures.earliest(0.0) == NEVER
