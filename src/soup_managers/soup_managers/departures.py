@@ -5,9 +5,7 @@ from __future__ import annotations
 from soup_msgs_py.messages import DriveGoal
 from soup_msgs_py.mind import NEVER
 
-PATIENCE_S = (
-    3.0  # wall time; a bot that says nothing for longer is waited for no more: its drive will be refused as late
-)
+PATIENCE_S = 3.0  # wall time for which a bot that says nothing is waited for: its drive will be refused as late
 
 
 class Departures:
