@@ -57,10 +57,10 @@ class Mind:
 
     next_wake = NEVER
 
-    def handle(self, _message: Any, _now: float) -> list[Any]:
+    def handle(self, message: Any, now: float) -> list[Any]:
         return []
 
-    def wake(self, _now: float) -> list[Any]:
+    def wake(self, now: float) -> list[Any]:
         return []
 
 

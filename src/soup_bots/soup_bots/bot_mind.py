@@ -56,6 +56,13 @@ class BotMind(Driver):
         self._text = reason
         return [*self._start_drive(points, now), self._status(now)]
 
+    def last_words(self, why: str) -> list[Message]:
+        """How everything ends that the bot was asked for and has not done, when it goes."""
+        out = self._end_drive(Code.STOPPED, why)
+        if self.trip is not None:
+            out.append(TripResult(self.bot, self.trip.trip, Code.STOPPED, why))
+        return out
+
     # ---- messages -----------------------------------------------------------------------------------------
 
     def handle(self, message: Message, now: float) -> list[Message]:

@@ -89,9 +89,8 @@ class Crew:
         self.sense_period_s = body.radius_m / body.max_speed_mps
         self.sense_offset_s = min(bots, default=0) * GOLDEN % 1.0 * self.sense_period_s
         self.next_wake = NEVER
-        self.minds = {
-            bot: BotMind(bot, layout, retry_s=self.sense_period_s, penalty_s=body.collision_penalty_s) for bot in bots
-        }
+        self._layout, self._penalty_s = layout, body.collision_penalty_s
+        self.minds = {bot: self._mind(bot) for bot in bots}
         self._steering = steering
         steering.rng = rng
         self._senses: Senses | None = None
@@ -126,6 +125,9 @@ class Crew:
         self._alarms: dict[int, float] = {}
         self._say_calls = max(1, round(TOLD_AFTER_S / self.sense_period_s))
         self._ask_calls = max(self._say_calls, round(ASKS_AFTER_S / self.sense_period_s))
+
+    def _mind(self, bot: int) -> BotMind:
+        return BotMind(bot, self._layout, retry_s=self.sense_period_s, penalty_s=self._penalty_s)
 
     @property
     def wants_to_sense(self) -> bool:
@@ -164,6 +166,26 @@ class Crew:
             out += mind.wake(now)
             self._look_at(mind, out, now)
         return out
+
+    def kill(self, bot: int) -> list[Message]:
+        """A mind dies. What its body was asked for, it still does; then it stands until there is a mind again.
+
+        Returns:
+            What those who had asked it will learn: that nobody answers any more.
+        """
+        dead = self.minds.pop(bot)
+        self._driving[bot] = False
+        self._drivers.discard(bot)
+        self._alarms.pop(bot, None)
+        self.next_wake = min(self._alarms.values(), default=NEVER)
+        return dead.last_words("its mind is gone")
+
+    def revive(self, bot: int, bucket: int, now: float) -> list[Message]:
+        """A new mind takes over a body that carries a bucket, -1 for none."""
+        self.minds[bot] = mind = self._mind(bot)
+        self.minds = dict(sorted(self.minds.items()))
+        self._begun[bot] = mind.drives
+        return mind.begin(bucket, now)
 
     def _begin(self, snapshot: Snapshot, now: float) -> list[Message]:
         out: list[Message] = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,6 +110,27 @@ class Headless:
                 self._next_sense = now + crew.sense_period_s
                 self._say(crew, crew.sense(world.bots(), world.buckets(), now))
             self._carry()
+
+    def kill(self, bots: Iterable[int], *, noticed: bool = True) -> None:
+        """Have the minds of bots die. Their bodies end what they are at, and stand until they are revived.
+
+        Args:
+            bots: Their numbers; those that are dead stay so.
+            noticed: Whether who had asked them for something learns that nobody answers.
+        """
+        for bot in bots:
+            if bot in self.crew.minds:
+                last = self.crew.kill(bot)
+                self._say(self.crew, last if noticed else [])
+        self._carry()
+
+    def revive(self, bots: Iterable[int]) -> None:
+        """Give dead bots new minds, which know nothing of what the old ones did."""
+        carried = self.world.bots().bucket
+        for bot in bots:
+            if bot not in self.crew.minds:
+                self._say(self.crew, self.crew.revive(bot, int(carried[bot]), self.world.now))
+        self._carry()
 
     def _say(self, speaker: Any, messages: list[Message]) -> None:
         for message in messages:

@@ -17,6 +17,7 @@ from soup_managers.coordination.jobs import Job
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
 from soup_managers.coordination.situation import Situation
+from soup_managers.coordination.watch import Watch
 from soup_managers.explain import Explain
 from soup_managers.manager import Manager
 from soup_managers.policies.coordinated import Coordinated
@@ -45,7 +46,7 @@ from soup_msgs_py.messages import (
     TripResult,
     Visit,
 )
-from soup_msgs_py.mind import Message
+from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.scenario import Scenario
 
 TICK_S = 1.0  # between two looks at all stations
@@ -55,6 +56,9 @@ TRIES = 8  # alternatives that are tried at once
 WAITING_SPOTS = 4  # storage spots near each station that are kept for buckets that wait for a place in its line
 FAR_S = 15.0  # a bot that comes from farther takes the hindmost place in a line
 NEVER_LEFT = frozenset({Code.LATE, Code.BUSY, Code.PENALISED})  # results of drives that did not begin
+GONE = frozenset({Code.STOPPED, Code.UNKNOWN})  # results that somebody else had to give
+GIVE_UP_S = 20.0  # a bucket that could not get to its station for so long does something else
+WAITS_S = 15.0  # a bucket waits no longer for a bundle
 KEEP_ROOM = 4  # a bucket with less room is done at a letter station
 
 
@@ -91,12 +95,14 @@ class CoordinatedFleet(Manager):
         self._lines: list[list[Robot | None]] = [[None] * len(line) for line in self._traffic.lines]
         self._early: list[Message] = []
         self._orders = 0
-        self._silent = scenario.bots  # bots that have not told yet what they do
-        self._told_idle: set[int] = set()  # bots whose newest status says that they stand idle
+        self._watch = Watch(self.situation.robots)
+        self._line_of = {place: station for station, line in enumerate(self._traffic.lines) for place in line}
+        self._tick = NEVER
+        self._brakes_s = scenario.bot.max_speed_mps / scenario.bot.max_acceleration_mps2
+        self._halted: set[int] = set()  # bots that were told to stop on their way, and are not seen to stand yet
         self._said: list[Message] = []
         self._undecided: list[Robot] = []
         self._moved_lines: set[int] = set()
-        self._lost: dict[int, Robot] = {}  # those for whom something went wrong
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
         self._tell_bound = False
         self._changed: dict[tuple[str, int], Job] = {}
@@ -131,13 +137,18 @@ class CoordinatedFleet(Manager):
     @property
     def wants_places(self) -> bool:
         """Whether it has to see where bots stand."""
-        return bool(self._lost)
+        return self._watch.wants_places
 
     def wake(self, now: float) -> list[Message]:
         """Look after all stations, and try again what was not possible."""
-        self.next_wake = now + TICK_S
         if not self.view.ready or self.view.lost:
+            self._tick = self.next_wake = now + TICK_S
             return []
+        for robot in self._watch.overdue(now):
+            self._overdue(robot, now)
+        if now < self._tick:
+            return self._act(now)
+        self._tick = now + TICK_S
         self._find_again(now)
         for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
             del self._waiting[robot.number]
@@ -160,7 +171,7 @@ class CoordinatedFleet(Manager):
         said = [answer for message in early for answer in self.handle(message, now)]
         for job in list(self.situation.jobs.all.values()):
             self._correct(job)
-        self.next_wake = now + TICK_S
+        self._tick = now + TICK_S
         return said + self._act(now)
 
     def on_event(self, event: Event, now: float) -> list[Message]:
@@ -224,23 +235,28 @@ class CoordinatedFleet(Manager):
             self._early.append(status)
             return []
         robot = self.situation.robots[status.bot]
+        self._watch.heard(status, now)
+        if status.trip is not None:
+            self._orders = max(self._orders, status.trip.trip)
+        self._set_alarm()
         if status.phase is not Phase.IDLE:
-            self._told_idle.discard(robot.number)
             return []
-        self._told_idle.add(robot.number)
         if robot.activity is Activity.AWAY:
             robot.failed_at = max(robot.failed_at, status.time)  # where it was seen before, it may not be any more
         if robot.activity is not Activity.UNKNOWN:
             return []
-        self._silent -= 1
+        del self._watch.unplaced[robot.number]
         self._stands(robot, status.bucket, now)
-        if self._silent == 0:
+        if not self._watch.unplaced:
             self._fetch(now)
         return self._act(now)
 
     def _handle_bots(self, bots: Bots, now: float) -> list[Message]:
         if self.view.ready:
             self.view.observe(bots)
+            if self._watch.unplaced:
+                for robot in self._watch.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
+                    self._stands_dead(robot, now)
         return []
 
     def _handle_result(self, result: DriveResult | TripResult, now: float) -> list[Message]:
@@ -249,10 +265,11 @@ class CoordinatedFleet(Manager):
         number = result.drive if isinstance(result, DriveResult) else result.trip
         if robot.activity is not (Activity.DRIVES if drive else Activity.WORKS) or robot.order != number:
             return []
-        if result.code is not Code.DONE:
-            self._failed(robot, result, now)
+        began = self._watch.ended(robot)
+        if result.code is not Code.DONE or robot.number in self._halted:
+            self._failed(robot, result.code, result.message, began, now)
         elif drive:
-            self._arrived(robot)
+            self._arrived(robot, now)
         else:
             self._worked(robot)
         return self._act(now)
@@ -286,19 +303,9 @@ class CoordinatedFleet(Manager):
 
     def _stands(self, robot: Robot, bucket: int, now: float) -> None:
         """A bot has told that it stands idle: it can be used from where it is."""
-        x, y = float(self.view.bot_x[robot.number]), float(self.view.bot_y[robot.number])
-        if robot.waypoint >= 0:
-            self._places.leave(robot.waypoint)
-        robot.waypoint = self._places.nearest(x, y)
-        robot.bucket, robot.target = bucket, -1
+        self._place(robot, bucket, now)
         robot.activity = Activity.STANDS
-        robot.purpose = Purpose.NONE
-        self._places.take(robot.waypoint)
-        self._traffic.stand_at(robot.number, x, y, now)
-        self._stop_others(robot)
-        self._note_place(robot)
         if bucket >= 0:
-            self.situation.free_buckets[bucket] = False
             self._undecided.append(robot)
         elif not self._places.is_spot[robot.waypoint] or (
             self._digging.needed and not self._places.occupied[robot.waypoint]
@@ -306,37 +313,92 @@ class CoordinatedFleet(Manager):
             robot.purpose = Purpose.PARK
             self._later(robot, now, "")
 
-    def _failed(self, robot: Robot, result: DriveResult | TripResult, now: float) -> None:
-        """What a bot was asked for went wrong: it is left alone until it is seen where it stands."""
-        if isinstance(result, DriveResult) and result.code in NEVER_LEFT:
+    def _stands_dead(self, robot: Robot, now: float) -> None:
+        """Nobody answers for a bot: it stands in the way until somebody does."""
+        self._place(robot, int(self.view.bot_bucket[robot.number]), now)
+        self._watch.lose(robot, now)
+        self._note_closed()
+
+    def _place(self, robot: Robot, bucket: int, now: float) -> None:
+        """Enter a bot where it is seen."""
+        x, y = float(self.view.bot_x[robot.number]), float(self.view.bot_y[robot.number])
+        if robot.waypoint >= 0:
+            self._places.leave(robot.waypoint)
+        robot.waypoint = self._places.nearest(x, y)
+        robot.bucket, robot.target, robot.purpose = bucket, -1, Purpose.NONE
+        self._places.take(robot.waypoint)
+        self._halted.discard(robot.number)
+        self._traffic.stand_at(robot.number, x, y, now)
+        self._stop_others(robot, now)
+        self._note_place(robot)
+        if bucket >= 0:
+            self.situation.free_buckets[bucket] = False
+
+    def _overdue(self, robot: Robot, now: float) -> None:
+        """A bot has not confirmed its drive, or is idle though it has not told how what it did ended."""
+        began = self._watch.ended(robot)
+        if began:
+            robot.arrives = now
+        else:
+            self._said.append(CancelDrive(robot.number, robot.order))
+        self._failed(robot, Code.STOPPED, f"bot {robot.number} does not answer", began, now)
+
+    def _failed(self, robot: Robot, code: Code, why: str, began: bool, now: float) -> None:
+        """What a bot was asked for went wrong: it is left alone until it is seen where it stands.
+
+        One that is gone in the middle of a drive still gets to its end: the path is with the world.
+        """
+        gone, drove = code in GONE, robot.activity is Activity.DRIVES
+        if drove and (code in NEVER_LEFT or not began):
             self._traffic.undo(robot.number, now)
-            self._stop_others(robot)
+            self._stop_others(robot, now)
+            robot.arrives = now
+        elif not gone:
+            robot.arrives = now
+        if gone:
+            self._watch.forget_idle(robot)
         self._unbind(robot)
         if robot.target >= 0 and self.view.bucket_bot[robot.target] < 0:
             self.situation.free_buckets[robot.target] = True
         robot.target = -1
         robot.purpose = Purpose.NONE
-        robot.activity = Activity.AWAY
-        robot.note = result.message
-        robot.failed_at = now
-        struck = result.code in (Code.COLLIDED, Code.PENALISED)
+        robot.note = why
+        struck = code in (Code.COLLIDED, Code.PENALISED)
         robot.retry_at = now + (self._scenario.bot.collision_penalty_s if struck else RETRY_S)
-        self._lost[robot.number] = robot
+        self._watch.lose(robot, now)
+        if drove and not gone:
+            robot.failed_at += self._brakes_s
+        self._note_closed()
 
-    def _stop_others(self, robot: Robot) -> None:
-        """Stop the bots that are to pass where a bot stands for good."""
-        for other in self._traffic.conflicts(robot.number):
-            blocked = self.situation.robots[other]
-            if blocked.activity is Activity.DRIVES:
-                self._said.append(CancelDrive(other, blocked.order))
+    def _note_closed(self) -> None:
+        """Close the stations in whose lines somebody stands whom nobody can tell to leave."""
+        closed = self.situation.closed
+        closed[:] = False
+        for robot in self._watch.lost.values():
+            station = self._line_of.get(robot.waypoint, -1)
+            if station >= 0:
+                closed[station] = True
+                self._moved_lines.add(station)
+
+    def _stop_others(self, robot: Robot, now: float) -> None:
+        """Stop the bots that are to pass where a bot stands for good, and those that are to pass where they stop."""
+        stopped = [robot]
+        while stopped:
+            for number in self._traffic.conflicts(stopped.pop().number):
+                other = self.situation.robots[number]
+                if other.activity is Activity.DRIVES and number not in self._halted:
+                    self._halted.add(number)
+                    self._said.append(CancelDrive(number, other.order))
+                    self._traffic.halt(number, now, 2.0 * self.lead_s)
+                    stopped.append(other)
 
     def _find_again(self, now: float) -> None:
         """Bots that went wrong can be used again from where they are seen to stand."""
-        for robot in list(self._lost.values()):
-            seen = self.view.seen_at >= robot.failed_at and robot.number in self._told_idle
-            if seen and robot.retry_at <= now:
-                del self._lost[robot.number]
-                self._stands(robot, int(self.view.bot_bucket[robot.number]), now)
+        found = self._watch.found(now, self.view.seen_at)
+        for robot in found:
+            self._stands(robot, int(self.view.bot_bucket[robot.number]), now)
+        if found:
+            self._note_closed()
 
     def _note_place(self, robot: Robot) -> None:
         self.situation.robot_xy[robot.number] = self._layout.waypoints[robot.waypoint]
@@ -346,7 +408,7 @@ class CoordinatedFleet(Manager):
     def _go(self, robot: Robot, goal: int, now: float) -> bool:
         """Send a bot that stands to a waypoint; False where no way can be planned now."""
         if self._traffic.at(robot.number) == goal:
-            self._arrived(robot)
+            self._arrived(robot, now)
             return True
         loaded = robot.bucket >= 0
         leg = self._traffic.plan(
@@ -361,17 +423,19 @@ class CoordinatedFleet(Manager):
         self._note_place(robot)
         self._orders += 1
         robot.order = self._orders
+        robot.blocked_since = NEVER
+        self._watch.asked(robot, now, leg.depart, self.lead_s)
         self._said.append(DriveGoal(robot.number, robot.order, leg.points, leg.stamps))
         return True
 
-    def _arrived(self, robot: Robot) -> None:
+    def _arrived(self, robot: Robot, now: float) -> None:
         robot.activity = Activity.STANDS
         match robot.purpose:
             case Purpose.FETCH:
-                self._work(robot, robot.target, (), ())
+                self._work(robot, robot.target, (), (), now)
             case Purpose.STORE:
                 x, y = self._layout.waypoints[robot.waypoint]
-                self._work(robot, robot.bucket, (), ((float(x), float(y)),))
+                self._work(robot, robot.bucket, (), ((float(x), float(y)),), now)
             case Purpose.SERVE if robot.slot == 0:
                 self._undecided.append(robot)
             case Purpose.SERVE:
@@ -380,9 +444,14 @@ class CoordinatedFleet(Manager):
                 robot.purpose = Purpose.NONE
 
     def _work(
-        self, robot: Robot, bucket: int, visits: tuple[Visit, ...], store: tuple[tuple[float, float], ...]
+        self,
+        robot: Robot,
+        bucket: int,
+        visits: tuple[Visit, ...],
+        store: tuple[tuple[float, float], ...],
+        now: float,
     ) -> None:
-        robot.activity = Activity.WORKS
+        robot.activity, robot.asked_at = Activity.WORKS, now
         self._orders += 1
         robot.order = self._orders
         self._said.append(TripGoal(robot.number, Trip(robot.order, bucket, (), visits, store)))
@@ -420,6 +489,9 @@ class CoordinatedFleet(Manager):
             case _ if robot.bucket >= 0:
                 self._undecided.append(robot)
 
+    def _set_alarm(self) -> None:
+        self.next_wake = min(self._tick, self._watch.next_time)
+
     def _act(self, now: float) -> list[Message]:
         """Decide what is to be decided, and say it."""
         self._explain.now = now
@@ -430,6 +502,7 @@ class CoordinatedFleet(Manager):
                 station = min(self._moved_lines)
                 self._moved_lines.discard(station)
                 self._move_up(station, now)
+        self._set_alarm()
         said, self._said = self._said, []
         if self._tell_bound:
             self._tell_bound = False
@@ -442,6 +515,7 @@ class CoordinatedFleet(Manager):
     def _move_up(self, station: int, now: float) -> None:
         """Move a station's line up, and let those who wait for a place in it come."""
         line, places = self._lines[station], self._traffic.lines[station]
+        closed = bool(self.situation.closed[station])
         for slot in range(len(line) - 1):
             behind = next((k for k in range(slot + 1, len(line)) if line[k] is not None), -1)
             if line[slot] is not None or behind < 0:
@@ -461,6 +535,14 @@ class CoordinatedFleet(Manager):
             if robot.slot < 0 and robot.activity is Activity.STANDS and robot.bucket >= 0
         ]
         waiting.sort()
+        for _, _, robot in waiting:
+            if closed or now - robot.blocked_since > GIVE_UP_S:
+                self._unbind(robot)
+                robot.purpose, robot.blocked_since = Purpose.NONE, NEVER
+                self._undecided.append(robot)
+        if closed:
+            return
+        waiting = [entry for entry in waiting if entry[2].station == station]
         crowded = len(self.situation.bound[station]) > len(line)
         for travel, _, robot in waiting:
             if crowded and travel > FAR_S and self._come_near(robot, station, now):
@@ -471,6 +553,7 @@ class CoordinatedFleet(Manager):
             line[slot], robot.slot = robot, slot
             if not self._go(robot, places[slot], now):
                 line[slot], robot.slot = None, -1
+                robot.blocked_since = min(robot.blocked_since, now)
                 self._later(robot, now, f"no way leads to {self._layout.station_name(station)} now")
 
     def _come_near(self, robot: Robot, station: int, now: float) -> bool:
@@ -505,6 +588,8 @@ class CoordinatedFleet(Manager):
         takes the hindmost: others may be served before it is there.
         """
         line = self._lines[station]
+        if self.situation.closed[station]:
+            return -1
         travel = self.situation.travel_s(robot.waypoint, station)
         low, high = 0, len(line)
         for slot, other in enumerate(line):
@@ -554,16 +639,20 @@ class CoordinatedFleet(Manager):
             else:
                 moves = situation.jobs.fillings(station, situation.room(robot.bucket))
             if moves:
-                self._work(robot, robot.bucket, (Visit(station, moves, ()),), ())
+                robot.blocked_since = NEVER
+                self._work(robot, robot.bucket, (Visit(station, moves, ()),), (), now)
                 return
-            if not situation.is_word_station(station) and self._worth_waiting(robot):
+            if not situation.is_word_station(station) and self._worth_waiting(robot, now):
                 self._later(robot, now, "waits for a bundle")
                 return
         if not self._serve_on(robot, now):
             self._store(robot, now)
 
-    def _worth_waiting(self, robot: Robot) -> bool:
-        """Whether a bucket stays at a letter station that has nothing for it just now."""
+    def _worth_waiting(self, robot: Robot, now: float) -> bool:
+        """Whether a bucket stays for a while at a letter station that has nothing for it just now."""
+        robot.blocked_since = min(robot.blocked_since, now)
+        if now - robot.blocked_since > WAITS_S:
+            return False
         room = self.situation.room(robot.bucket)
         return room > KEEP_ROOM and 4 * room > self.situation.stock.capacity
 
@@ -581,13 +670,16 @@ class CoordinatedFleet(Manager):
             slot = self._slot_for(robot, station, now) if station != robot.station else -1
             if slot < 0:
                 continue
-            before = robot.purpose
+            before, place = robot.purpose, self._traffic.lines[station][slot]
             robot.purpose = Purpose.SERVE
-            if self._go(robot, self._traffic.lines[station][slot], now):
+            is_there = self._traffic.at(robot.number) == place
+            if is_there or self._go(robot, place, now):
                 self._unbind(robot)
                 self._bind(robot, station)
                 robot.slot = slot
                 self._lines[station][slot] = robot
+                if is_there:
+                    self._arrived(robot, now)
                 return station
             robot.purpose = before
         return -1
@@ -632,7 +724,7 @@ class CoordinatedFleet(Manager):
 
     def _fetch(self, now: float) -> None:
         """Have buckets fetched for the stations that run out of work."""
-        if not self._silent:
+        if not self._watch.unplaced:
             for fetch in self._fetching.choose(now):
                 self._send_for(fetch, now)
 
@@ -657,8 +749,10 @@ class CoordinatedFleet(Manager):
 
     def _reason(self, job: Job) -> str:
         """Why a task waits; empty where something is on its way to its station."""
-        if self._silent:
-            return f"{self._silent} bots have not said that they are there"
+        if self._watch.unplaced:
+            return f"{len(self._watch.unplaced)} bots have not said that they are there"
+        if self.situation.closed[job.station]:
+            return "a bot that does not answer stands in the line of its station"
         if not self.situation.bound[job.station]:
             if not any(robot.idle for robot in self.situation.robots):
                 return "all bots are busy"

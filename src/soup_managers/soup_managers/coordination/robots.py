@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+from soup_msgs_py.mind import NEVER
+
 
 class Purpose(Enum):
     """What a bot drives for."""
@@ -20,7 +22,7 @@ class Activity(Enum):
     """What a bot does now."""
 
     UNKNOWN = "unknown"  # it has not told yet
-    AWAY = "away"  # driven by hand, penalised, or on a trip that somebody else asked for
+    AWAY = "away"  # something went wrong, or nobody answers for it
     STANDS = "stands"
     DRIVES = "drives"
     WORKS = "works"  # grabs, releases, moves tiles
@@ -41,6 +43,8 @@ class Robot:
         spot: The storage spot that is kept for it, -1 for none.
         order: The number of the drive or trip that it was asked for last.
         arrives: When its drive ends (s).
+        asked_at: When it was asked for that (s).
+        blocked_since: Since when it has waited for a way to its station (s).
         retry_at: When a way that could not be planned is tried again (s).
         failed_at: When it last told that something went wrong (s).
         note: What it waits for, for people.
@@ -57,6 +61,8 @@ class Robot:
     spot: int = -1
     order: int = -1
     arrives: float = 0.0
+    asked_at: float = 0.0
+    blocked_since: float = NEVER
     retry_at: float = 0.0
     failed_at: float = 0.0
     note: str = field(default="")

@@ -92,6 +92,7 @@ class Situation:
         robots: The bots.
         rng: For all random draws of policies.
         docks: The waypoint of each station.
+        closed: Whether a bot that does not answer stands in each station's line, shape (stations,).
         bound: The bots that are bound for each station, in the order of their binding.
         free_buckets: Which buckets rest and are in nobody's plans, shape (buckets,).
         spot_of: The storage spot of each bucket (waypoint), shape (buckets,).
@@ -114,6 +115,7 @@ class Situation:
         self.docks: list[int] = layout.stations.tolist()
         self.robots = [Robot(bot) for bot in range(scenario.bots)]
         self.robot_xy = np.zeros((scenario.bots, 2))
+        self.closed = np.zeros(len(self.docks), bool)
         self.bound: list[list[Robot]] = [[] for _ in self.docks]
         self.jobs = Jobs(self.word_stations, len(self.docks), view.kinds)
         self._word_transfer_s = scenario.word_station.transfer_s
@@ -212,7 +214,7 @@ class Situation:
         short = []
         for station in range(self.word_stations):
             bound = len(self.bound[station])
-            if bound < horizons.most:
+            if bound < horizons.most and not self.closed[station]:
                 ahead, kinds, _ = self.outlook(station)
                 if len(kinds) and (bound < horizons.word_least or ahead < horizons.word_s + self.approach_s[station]):
                     short.append(station)
@@ -225,7 +227,7 @@ class Situation:
         for station in range(self.word_stations, len(self.docks)):
             bound = len(self.bound[station])
             few = bound < horizons.letter_least
-            wanted = bound < horizons.most and self.jobs.at[station]
+            wanted = bound < horizons.most and self.jobs.at[station] and not self.closed[station]
             if wanted and (few or self.ahead_s(station) < horizons.letter_s + self.approach_s[station]):
                 short.append(station)
         return short

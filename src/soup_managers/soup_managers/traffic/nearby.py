@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.spatial import KDTree
 
@@ -10,6 +12,8 @@ from soup_managers.traffic.roads import AT_END_M, Mask, Roads
 from soup_msgs_py.messages import Point
 
 _ON_EDGE_M = 1e-3
+_REMEMBERED = 10_000  # answers
+_OWN = 0.25  # a bot that is nearer than this to a waypoint, in distances of two that touch, belongs there
 _WAYS_BACK = 6  # waypoints that a bot beside the graph tries to get back to
 
 
@@ -19,6 +23,8 @@ class Nearby:
     def __init__(self, roads: Roads) -> None:
         self._roads = roads
         self._tree = KDTree(roads.points)
+        self._held: dict[tuple[Point, Point], list[int]] = {}
+        self._swept_on: dict[tuple[Point, int], list[int]] = {}
         self._starts, self._ends = roads.points[roads.tail], roads.points[roads.head]
 
     def waypoint(self, x: float, y: float) -> int:
@@ -37,18 +43,39 @@ class Nearby:
         return held
 
     def held_along(self, start: Point, end: Point) -> list[int]:
-        """What a bot holds beside the graph, on a straight way or, with one place, at rest.
+        """What a bot holds beside the graph, on a straight way or, with one place, at rest; to be read only.
 
         The waypoints that nobody else can pass, and both ends of every edge that it is on or that is too close
         between its ends: whoever is on an edge holds its head.
         """
-        roads = self._roads
-        a, b = np.array([start]), np.array([end])
-        gaps = gaps_between(self._starts, self._ends, a, b)
-        passed = gaps_between(roads.points, roads.points, a, b) < roads.apart
-        closed = (gaps < _ON_EDGE_M) | ((gaps < roads.apart) & ~passed[roads.tail] & ~passed[roads.head])
-        passed[roads.tail[closed]] = passed[roads.head[closed]] = True
-        return np.flatnonzero(passed).tolist()
+        held = self._held.get((start, end))
+        if held is None:
+            roads = self._roads
+            a, b = np.array([start]), np.array([end])
+            gaps = gaps_between(self._starts, self._ends, a, b)
+            passed = gaps_between(roads.points, roads.points, a, b) < roads.apart
+            closed = (gaps < _ON_EDGE_M) | ((gaps < roads.apart) & ~passed[roads.tail] & ~passed[roads.head])
+            passed[roads.tail[closed]] = passed[roads.head[closed]] = True
+            held = self._remember(self._held, (start, end), np.flatnonzero(passed).tolist())
+        return held
+
+    def _swept(self, place: Point, waypoint: int) -> list[int]:
+        """Waypoints where no bucket may rest while a bucket is driven straight from a place to a waypoint."""
+        swept = self._swept_on.get((place, waypoint))
+        if swept is None:
+            roads = self._roads
+            here, there = np.array([place]), roads.points[[waypoint]]
+            close = gaps_between(roads.points, roads.points, here, there) < roads.apart
+            # where it is now, no bucket rests
+            close &= gaps_between(roads.points, roads.points, here, here) >= roads.apart
+            swept = self._remember(self._swept_on, (place, waypoint), np.flatnonzero(close).tolist())
+        return swept
+
+    def _remember(self, answers: dict[Any, list[int]], question: Any, answer: list[int]) -> list[int]:
+        if len(answers) >= _REMEMBERED:
+            answers.clear()
+        answers[question] = answer
+        return answer
 
     def ways_back(self, place: Point, loaded: bool, blocked: Mask, goal: int) -> list[int]:
         """Waypoints to which a bot can drive straight from a place beside the graph, the nearest first.
@@ -57,20 +84,15 @@ class Nearby:
             place: Where it is.
             loaded: Whether it carries a bucket, which must not touch any that rests.
             blocked: Spots where buckets may rest, shape (waypoints,).
-            goal: Where it goes; of other spots and stations it keeps away.
+            goal: Where it goes; of other spots and station lines it keeps away, unless it is there.
         """
         roads = self._roads
-        _, near = self._tree.query(place, k=min(_WAYS_BACK, len(roads.points)))
+        away, near = self._tree.query(place, k=min(_WAYS_BACK, len(roads.points)))
         found = []
-        for waypoint in np.atleast_1d(near).tolist():
-            if waypoint != goal and (roads.line[waypoint] >= 0 or (loaded and blocked[waypoint])):
+        for distance, waypoint in zip(np.atleast_1d(away).tolist(), np.atleast_1d(near).tolist(), strict=True):
+            own = distance < _OWN * roads.apart
+            if waypoint != goal and ((roads.line[waypoint] >= 0 and not own) or (loaded and blocked[waypoint])):
                 continue
-            if loaded:
-                here, there = np.array([place]), roads.points[[waypoint]]
-                spots = roads.points[blocked]
-                # where it is now, no bucket rests
-                close = gaps_between(spots, spots, here, there) < roads.apart
-                if (close & (gaps_between(spots, spots, here, here) >= roads.apart)).any():
-                    continue
-            found.append(waypoint)
+            if not loaded or not blocked[self._swept(place, waypoint)].any():
+                found.append(waypoint)
         return found

@@ -15,7 +15,7 @@ from soup_managers.traffic.lines import Line, find_lines
 from soup_managers.traffic.nearby import Nearby
 from soup_managers.traffic.roads import Mask, make_roads
 from soup_managers.traffic.routes import Routes, kind_of_spots
-from soup_managers.traffic.runs import heading_of, run_time, turn_time
+from soup_managers.traffic.runs import heading_of, place_at, run_time, turn_time
 from soup_managers.traffic.search import rest_of_way, search
 from soup_managers.traffic.timetable import add, empty_timetable, forget, forget_bot, free_from, larger
 from soup_msgs_py.layout import Floats, Layout
@@ -28,7 +28,7 @@ _CAPACITY = 16  # holds of one waypoint, to begin with
 _LABELS_ON_WAY = 100_000
 _LABELS_FOR_BETTER = 1_500  # how long to look for a better way than waiting
 _LABELS_FOR_ANY = 60_000  # how long to look for any way at all
-_HERE_M = 1e-3
+_HERE_M = 1e-9  # farther off a waypoint the first run to it takes time, and whoever is late is in the way
 _TRIED_SPOTS = 4
 
 
@@ -123,6 +123,48 @@ class Traffic:
         _, stand = self._legs[bot].pop()
         forget_bot(self._table, bot, now)
         self._stay(bot, _Stand(stand.waypoint, stand.point, now, stand.heading))
+
+    def halt(self, bot: int, now: float, notice_s: float = 0.0) -> None:
+        """A bot that drives is told to stop, and does so after `notice_s` at the latest; `stand_at` will tell where.
+
+        Until then it holds all places where it can get to. Others that have planned to pass there are its `conflicts`.
+        """
+        if not self._legs[bot]:
+            return
+        leg, stand = self._legs[bot][-1]
+        if now + notice_s <= leg.depart:
+            self.undo(bot, now)
+            return
+        held: set[int] = set()
+        for start, end in self._ways_between(leg, now, now + notice_s):
+            held.update(self._nearby.held_along(start, end))
+        self.remove(bot)
+        self._legs[bot] = []
+        self._stands[bot] = stand
+        for waypoint in sorted(held):
+            self._hold(waypoint, now, math.inf, bot)
+
+    def _ways_between(self, leg: Leg, begin: float, end: float) -> list[tuple[Point, Point]]:
+        """Where a bot on a leg may be if it begins to brake between two times: straight ways."""
+        speed, acceleration = self._roads.max_speed, self._roads.max_acceleration
+        ways = [(leg.points[-1], leg.points[-1])] if end >= leg.arrive else []
+        for k in range(len(leg.points) - 1):
+            (ax, ay), (bx, by) = leg.points[k], leg.points[k + 1]
+            if leg.stamps[k] > end or leg.stamps[k + 1] < begin:
+                continue
+            length = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+            if length == 0.0:
+                ways.append((leg.points[k], leg.points[k]))
+                continue
+            # a turn comes first; the rest is the run
+            runs_from = leg.stamps[k + 1] - run_time(length, speed, acceleration)
+            first = place_at(begin - runs_from, length, speed, acceleration) / length
+            last = place_at(end - runs_from, length, speed, acceleration) + 0.5 * speed * speed / acceleration
+            last = min(last / length, 1.0)
+            ways.append(
+                ((ax + (bx - ax) * first, ay + (by - ay) * first), (ax + (bx - ax) * last, ay + (by - ay) * last))
+            )
+        return ways
 
     def remove(self, bot: int) -> None:
         """Forget a bot altogether."""

@@ -1,0 +1,127 @@
+"""Who does what it was asked for, and who does not: bots that are silent, that forgot, that went wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from soup_managers.coordination.robots import Activity, Robot
+from soup_msgs_py.codes import Phase
+from soup_msgs_py.messages import BotStatus
+from soup_msgs_py.mind import NEVER
+
+HEARD_S = 0.01  # after its departure at the latest, a bot must have said that it drives
+ANSWER_S = 0.5  # beyond what messages take: so long a bot may think before it says so
+RESULT_LATE_S = 1.0  # after a bot has said that it is idle, the result of what it did is waited for so long
+SILENT_S = 10.0  # a bot that has never said anything and has stood for so long is taken for dead
+STRANGE_S = 30.0  # the same for one that works for somebody else
+
+
+class Watch:
+    """The fleet's books about bots that it can't rely on.
+
+    Attributes:
+        unplaced: Bots of which it is not known yet where they will stand: they may be on their way for others.
+        lost: Bots that are left alone, until they say that they are idle and are seen where they stand.
+    """
+
+    def __init__(self, robots: Sequence[Robot]) -> None:
+        """Begin with bots that have said nothing."""
+        self._robots = robots
+        self.unplaced: dict[int, Robot] = {robot.number: robot for robot in robots}
+        self.lost: dict[int, Robot] = {}
+        self._spoke: set[int] = set()
+        self._idle_at: dict[int, float] = {}  # whose newest status says that they stand idle, and since when (s)
+        self._unheard: dict[int, float] = {}  # until when bots may confirm their drives
+        self._doubted: dict[int, float] = {}  # until when results of bots that are idle may come
+        self._stood: dict[int, tuple[float, float, float]] = {}  # unplaced bots: since when, and where, they stand
+
+    @property
+    def next_time(self) -> float:
+        """When somebody is overdue next (s)."""
+        if not self._unheard and not self._doubted:
+            return NEVER
+        return min(*self._unheard.values(), *self._doubted.values(), NEVER)
+
+    @property
+    def wants_places(self) -> bool:
+        """Whether the fleet has to see where bots stand."""
+        return bool(self.unplaced) or (bool(self.lost) and any(bot in self._idle_at for bot in self.lost))
+
+    # ---- what bots are asked for and say -----------------------------------------------------------------------
+
+    def asked(self, robot: Robot, now: float, depart: float, lead_s: float) -> None:
+        """A bot was asked to drive."""
+        robot.asked_at = now
+        self._doubted.pop(robot.number, None)
+        self._unheard[robot.number] = min(depart, now + lead_s + ANSWER_S) + HEARD_S
+
+    def heard(self, status: BotStatus, now: float) -> None:
+        """A bot said what it does."""
+        bot = status.bot
+        self._spoke.add(bot)
+        if status.phase is not Phase.IDLE:
+            self._idle_at.pop(bot, None)
+            self._doubted.pop(bot, None)
+            if status.phase is Phase.DRIVING:
+                self._unheard.pop(bot, None)
+            return
+        self._idle_at[bot] = status.time
+        robot = self._robots[bot]
+        busy = robot.activity is Activity.DRIVES or robot.activity is Activity.WORKS
+        if busy and bot not in self._unheard and status.time >= robot.asked_at:
+            self._doubted[bot] = now + RESULT_LATE_S
+
+    def ended(self, robot: Robot) -> bool:
+        """The result of what a bot was asked for is there; whether it had said that it began."""
+        self._doubted.pop(robot.number, None)
+        return self._unheard.pop(robot.number, None) is None
+
+    def overdue(self, now: float) -> list[Robot]:
+        """Bots that have not confirmed their drives, or are idle though no result has come."""
+        late = [bot for bot, until in (*self._unheard.items(), *self._doubted.items()) if until <= now]
+        return [self._robots[bot] for bot in sorted(set(late))]
+
+    # ---- bots that are lost and found ----------------------------------------------------------------------
+
+    def lose(self, robot: Robot, now: float) -> None:
+        """Leave a bot alone."""
+        robot.activity = Activity.AWAY
+        robot.failed_at = now
+        self.unplaced.pop(robot.number, None)
+        self.lost[robot.number] = robot
+
+    def forget_idle(self, robot: Robot) -> None:
+        """What a bot said before it was asked for something counts no more: it did not answer that."""
+        if self._idle_at.get(robot.number, NEVER) <= robot.asked_at:
+            del self._idle_at[robot.number]
+
+    def found(self, now: float, seen_at: float) -> list[Robot]:
+        """Lost bots that can be used again, as places of all bots were seen at `seen_at`; they are lost no more."""
+        if not self.lost:
+            return []
+        found = [
+            robot
+            for bot, robot in self.lost.items()
+            if bot in self._idle_at and seen_at >= robot.failed_at and now >= max(robot.retry_at, robot.arrives)
+        ]
+        for robot in found:
+            del self.lost[robot.number]
+        return found
+
+    def dead(self, places: Sequence[tuple[float, float]], now: float) -> list[Robot]:
+        """Unplaced bots that have stood still for so long that nobody can be behind them.
+
+        Args:
+            places: Where every bot is (m).
+            now: When that was seen (s).
+        """
+        dead = []
+        for bot, robot in self.unplaced.items():
+            x, y = places[bot]
+            since, *before = self._stood.get(bot, (now, x, y))
+            if before != [x, y]:
+                since = now
+            self._stood[bot] = since, x, y
+            if now - since >= (STRANGE_S if bot in self._spoke else SILENT_S):
+                dead.append(robot)
+        return dead
