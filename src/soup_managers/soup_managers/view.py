@@ -72,6 +72,7 @@ class WarehouseView:
         free_places: How many more words can be opened, or bundles staged, on each station.
         stock: Tiles in buckets and staged bundles, by tile kind, shape (kinds,).
         wanted: Tiles that open words lack, by tile kind, shape (kinds,).
+        on_order: Tiles in words that wait, by tile kind, shape (kinds,).
         bound: The buckets that the fleet has bound for each station, where it tells.
     """
 
@@ -113,6 +114,7 @@ class WarehouseView:
         self.free_places += [self.scenario.letter_station.staged_bundles] * letters
         self.stock = np.zeros(self.kinds, np.int64)
         self.wanted = np.zeros(self.kinds, np.int64)
+        self.on_order = np.zeros(self.kinds, np.int64)
 
     # ---- what it can be asked ------------------------------------------------------------------------------
 
@@ -175,7 +177,8 @@ class WarehouseView:
         for letter_station in snapshot.letter_stations:
             for bundle in letter_station.staged_bundles:
                 self._stage(bundle, letter_station.station)
-        self.waiting_words = {word.word: word for word in snapshot.waiting_words}
+        for word in snapshot.waiting_words:
+            self._order(word)
         self.waiting_bundles = {bundle.bundle: bundle for bundle in snapshot.waiting_bundles}
         self.sequence = snapshot.sequence
         self.ready, self.lost = True, False
@@ -211,9 +214,11 @@ class WarehouseView:
             self._set_down(event.bucket, event.x, event.y)
             self._see(event)
         elif kind is EventType.WORD_ARRIVED:
-            self.waiting_words[event.job] = Word(event.job, event.text, event.tiles)
+            self._order(Word(event.job, event.text, event.tiles))
         elif kind is EventType.WORD_ASSIGNED:
             word = self.waiting_words.pop(event.job, None)
+            for tile in word.tiles if word is not None else ():
+                self.on_order[tile] -= 1
             self._open(word or Word(event.job, event.text, event.tiles), event.station)
         elif kind is EventType.WORD_CLEARED:
             if self.open_words.pop(event.job, None) is not None:
@@ -233,6 +238,11 @@ class WarehouseView:
         elif kind is EventType.SPOT_REMOVED:
             self.storage_spots.discard(event.waypoint)
         return True
+
+    def _order(self, word: Word) -> None:
+        self.waiting_words[word.word] = word
+        for tile in word.tiles:
+            self.on_order[tile] += 1
 
     def _transferred(self, event: Event) -> None:
         bucket, tile = event.bucket, event.tile

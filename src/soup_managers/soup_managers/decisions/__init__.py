@@ -23,7 +23,15 @@ from soup_managers.decisions.buckets import (
 )
 from soup_managers.decisions.fills import Association, Emptiest, FillChoice, NearestWithRoom, Popular, RandomFill
 from soup_managers.decisions.onward import AlwaysStore, OnwardChoice, ServeOn
-from soup_managers.decisions.storage import Fixed, NearestSpot, NearWords, PopularityZones, RandomSpot, StorageChoice
+from soup_managers.decisions.storage import (
+    Fixed,
+    NearestSpot,
+    NearWords,
+    PopularityZones,
+    RandomSpot,
+    StationCache,
+    StorageChoice,
+)
 
 BUCKETS: dict[str, type[BucketChoice]] = {
     "first": FirstBucket,
@@ -46,5 +54,6 @@ STORAGE: dict[str, type[StorageChoice]] = {
     "nearest": NearestSpot,
     "near_words": NearWords,
     "popularity_zones": PopularityZones,
+    "station_cache": StationCache,
 }
 ONWARD: dict[str, type[OnwardChoice]] = {"store": AlwaysStore, "serve_on": ServeOn}

@@ -83,3 +83,19 @@ class PopularityZones(StorageChoice):
         """Seconds, weighted by how full the bucket is."""
         full = float(situation.stock.total[bucket]) / situation.stock.capacity
         return travel_s + self._weight * full * situation.to_words_s[spots]
+
+
+class StationCache(NearWords):
+    """Near the word station whose open words the bucket serves best, to be back at once; else as `near_words`.
+
+    Args:
+        weight: As for `near_words`.
+    """
+
+    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+        """Seconds, weighted."""
+        serves = [situation.serves(bucket, station) for station in range(situation.word_stations)]
+        best = int(np.argmax(serves))
+        if serves[best] == 0:
+            return super().cost(situation, bucket, spots, travel_s)
+        return travel_s + self._weight * situation.traffic.times_to(situation.docks[best])[spots]

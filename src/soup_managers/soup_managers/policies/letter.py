@@ -42,37 +42,74 @@ class LetterPolicy(ABC):
         """
 
 
+def emptiest(view: WarehouseView, stations: Sequence[int], tile: int, rng: np.random.Generator) -> int:
+    """The station with the fewest staged bundles; of equals the first."""
+    return max(stations, key=view.free_places.__getitem__)
+
+
+def alike(view: WarehouseView, stations: Sequence[int], tile: int, rng: np.random.Generator) -> int:
+    """A station where a bundle of the same kind is staged, so that buckets hold more of it; else the emptiest."""
+    same = {bundle.station for bundle in view.staged_bundles.values() if bundle.tile == tile}
+    return emptiest(view, [station for station in stations if station in same] or stations, tile, rng)
+
+
+def anywhere(view: WarehouseView, stations: Sequence[int], tile: int, rng: np.random.Generator) -> int:
+    """Any station."""
+    return stations[int(rng.integers(len(stations)))]
+
+
+STATIONS = {"emptiest": emptiest, "alike": alike, "random": anywhere}
+
+
 class Minimal(LetterPolicy):
     """A steady stock: what was there at the start is brought back, the kind that is furthest below it first.
 
     Before that comes a kind of which open words lack more than there is: their places would be blocked for
-    good. Bundles that have arrived are staged first in, first out. The station with the fewest staged bundles
-    takes them.
+    good. Bundles that have arrived are staged first in, first out.
+
+    Args:
+        station: Which station takes a bundle: `emptiest` (with the fewest), `alike` (with one of the same kind)
+            or `random`.
     """
+
+    def __init__(self, station: str = "emptiest") -> None:
+        """Set the options; see the class."""
+        if station not in STATIONS:
+            raise ValueError(f"station is {station!r}, it must be one of {', '.join(STATIONS)}")
+        self._choose_station = STATIONS[station]
 
     def choose(
         self, view: WarehouseView, stations: Sequence[int], target: Floats, rng: np.random.Generator
     ) -> AssignBundle | None:
         """First arrived bundle, else the kind with the largest gap; none while the stock is full."""
-        station = max(stations, key=view.free_places.__getitem__)
         if view.waiting_bundles:
-            return AssignBundle(station, bundle=next(iter(view.waiting_bundles)))
-        if view.scenario.bundles.kind != "chosen":
+            bundle = next(iter(view.waiting_bundles.values()))
+            return AssignBundle(self._station(view, stations, bundle.tile, rng), bundle=bundle.bundle)
+        if view.scenario.bundles.kind != "chosen" or view.room < view.scenario.bundle_size:
             return None
-        if view.room < view.scenario.bundle_size:
-            return None
+        kind = self.choose_kind(view, target, rng)
+        return AssignBundle(self._station(view, stations, kind, rng), tile=kind) if kind >= 0 else None
+
+    def _station(self, view: WarehouseView, stations: Sequence[int], tile: int, rng: np.random.Generator) -> int:
+        station = self._choose_station(view, stations, tile, rng)
+        places = np.array([view.free_places[each] for each in stations])
+        self.explain.choice("bundles", station, places, np.array(stations), tile=tile)
+        return station
+
+    def choose_kind(self, view: WarehouseView, target: Floats, rng: np.random.Generator) -> int:
+        """The kind of the next bundle, where the letter manager decides what comes in; -1 for none now."""
         shortage = view.wanted - view.stock
         kind = int(shortage.argmax())
         if shortage[kind] > 0:
-            self.explain.choice("letters", kind, np.maximum(shortage, 0), station=station)
-            return AssignBundle(station, tile=kind)
+            self.explain.choice("letters", kind, np.maximum(shortage, 0))
+            return kind
         gap = target - view.stock
         kind = int(gap.argmax())
         # the sum of many small gaps must not fill the buckets with what nobody asks for
         if gap[kind] > 0 and gap.sum() > 0:
-            self.explain.choice("letters", kind, gap, station=station)
-            return AssignBundle(station, tile=kind)
-        return None
+            self.explain.choice("letters", kind, gap)
+            return kind
+        return -1
 
 
 class Ahead(Minimal):
@@ -82,19 +119,28 @@ class Ahead(Minimal):
     need together would block a word station later.
     """
 
-    def choose(
-        self, view: WarehouseView, stations: Sequence[int], target: Floats, rng: np.random.Generator
-    ) -> AssignBundle | None:
+    def choose_kind(self, view: WarehouseView, target: Floats, rng: np.random.Generator) -> int:
         """A kind that open or waiting words lack, else as `minimal`."""
-        chosen = view.scenario.bundles.kind == "chosen" and not view.waiting_bundles
-        if chosen and view.room >= view.scenario.bundle_size:
-            left = view.stock - view.wanted
-            if left.min() >= 0:
-                for word in view.waiting_words.values():
-                    for tile in word.tiles:
-                        left[tile] -= 1
-                        if left[tile] < 0:
-                            station = max(stations, key=view.free_places.__getitem__)
-                            self.explain.choice("letters", tile, np.maximum(-left, 0), station=station)
-                            return AssignBundle(station, tile=tile)
-        return super().choose(view, stations, target, rng)
+        left = view.stock - view.wanted
+        if left.min() >= 0 and (left - view.on_order).min() < 0:
+            for word in view.waiting_words.values():
+                for tile in word.tiles:
+                    left[tile] -= 1
+                    if left[tile] < 0:
+                        self.explain.choice("letters", tile, np.maximum(-left, 0))
+                        return tile
+        return super().choose_kind(view, target, rng)
+
+
+class Drawn(Minimal):
+    """As `minimal`, but while the stock is below what it was at the start, kinds are drawn as often as they were there.
+
+    Nothing is known of the orders but what open words lack.
+    """
+
+    def choose_kind(self, view: WarehouseView, target: Floats, rng: np.random.Generator) -> int:
+        """A kind that open words lack, else a random one."""
+        if (view.wanted - view.stock).max() > 0:
+            return super().choose_kind(view, target, rng)
+        total = target.sum()
+        return int(rng.choice(len(target), p=target / total)) if view.stock.sum() < total else -1

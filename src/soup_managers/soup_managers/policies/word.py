@@ -50,6 +50,27 @@ class Minimal(WordPolicy):
         return AssignWord(next(iter(view.waiting_words)), station)
 
 
+class InStock(WordPolicy):
+    """The oldest word whose letters are all there, beyond what open words lack, so that none waits for a delivery.
+
+    The station with the fewest open words gets it; where no word is complete, the one that lacks fewest letters.
+    """
+
+    def choose(self, view: WarehouseView, stations: Sequence[int], rng: np.random.Generator) -> AssignWord | None:
+        """Fewest letters that are not there."""
+        station = max(stations, key=view.free_places.__getitem__)
+        spare = {int(tile): int(view.stock[tile] - view.wanted[tile]) for tile in np.flatnonzero(view.on_order)}
+        best, least = -1, np.inf
+        for word in view.waiting_words.values():
+            lacks = len(word.tiles) - _served(word.tiles, spare)
+            if lacks < least:
+                best, least = word.word, lacks
+            if lacks == 0:
+                break
+        self.explain.choice("words", best, np.array([-least]), np.array([best]), station=station)
+        return AssignWord(best, station)
+
+
 class Served(WordPolicy):
     """The word that the buckets at a station, or bound for it, serve best with what its open words leave over.
 
