@@ -35,7 +35,12 @@ class StationPolicy(ABC, Generic[State]):
     """What the policies of both kinds of stations have in common; extend one of the two below.
 
     Each station has a policy of its own, made with the options of the scenario as keyword arguments.
+
+    Attributes:
+        takes_first: Whether `choose` says 0 whatever it is asked; then it is not asked at all.
     """
+
+    takes_first = False
 
     @abstractmethod
     def choose(self, moves: Moves, station: State, contents: Contents, rng: Generator) -> int:
@@ -79,6 +84,8 @@ class LetterStationPolicy(StationPolicy[LetterStationState]):
 class WordsAsAsked(WordStationPolicy):
     """First come, first served, as the bots ask; where they leave it open, the oldest word that lacks a tile."""
 
+    takes_first = True
+
     def choose(self, moves: Moves, station: WordStationState, contents: Contents, rng: Generator) -> int:
         """The first."""
         return 0
@@ -99,6 +106,8 @@ class NearlyDone(WordStationPolicy):
 
 class BundlesAsAsked(LetterStationPolicy):
     """First come, first served, as the bots ask; where they leave it open, the oldest bundle."""
+
+    takes_first = True
 
     def choose(self, moves: Moves, station: LetterStationState, contents: Contents, rng: Generator) -> int:
         """The first."""

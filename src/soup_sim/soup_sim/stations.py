@@ -114,6 +114,8 @@ class Station:
             else:
                 for move in possible:
                     moves.setdefault(move, wanted)
+                if self.policy.takes_first:
+                    break
         if not moves:
             visit.moves.clear()
             return None
@@ -132,7 +134,7 @@ class Station:
 
     def _decide(self, moves: list[TileMove], contents: Contents) -> TileMove:
         """One of the moves that are possible."""
-        if len(moves) == 1:
+        if len(moves) == 1 or self.policy.takes_first:
             return moves[0]
         return moves[self._checked(self.policy.choose(moves, self.state(), contents, self.rng), len(moves))]
 
@@ -191,6 +193,10 @@ class WordStation(Station):
 
     def possible(self, wanted: TileMove, contents: Contents, room: int) -> list[TileMove] | tuple[Code, str]:
         """See `Station.possible`: the oldest word first, its letters in order."""
+        if wanted.job != -1 and contents.get(wanted.tile, 0) > 0:  # what is asked for most, and quickly answered
+            word = self.find(wanted.job)
+            if word is not None and word.place_for(wanted.tile) >= 0:
+                return [wanted]
         words = [o for o in self.open_words if wanted.job in (-1, o.word.word)]
         if not words:
             return Code.NOT_NEEDED, f"word {wanted.job} is not open on word station {self.number}"

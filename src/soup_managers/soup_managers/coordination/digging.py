@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from soup_managers.coordination.places import Places
 from soup_managers.traffic.kernel import kernel
 from soup_msgs_py.layout import Ints, Layout
 
@@ -23,7 +24,8 @@ class Digging:
         needed: Whether some spots can only be reached through others; if not, all are open at all times.
     """
 
-    def __init__(self, layout: Layout, spots: Indices) -> None:
+    def __init__(self, layout: Layout, places: Places) -> None:
+        self._places, spots = places, places.spots
         count = len(layout.waypoints)
         self._number = np.full(count, -1, np.int32)
         self._number[spots] = np.arange(len(spots), dtype=np.int32)
@@ -38,44 +40,47 @@ class Digging:
         counts = np.bincount(tails[inner], minlength=len(spots))
         self._first: Ints = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
         self.needed = not bool(self._beside_lane.all())
+        self._all_open = np.ones(count, bool)
+        self._no_depth = np.zeros(count, np.int32)
 
-    def open_spots(self, closed: Mask) -> Mask:
-        """Which spots a bot with a bucket can get to or away from.
+    @property
+    def _closed(self) -> Mask:
+        """The spots through which a bot with a bucket cannot pass, shape (spots,)."""
+        return self._places.closed[self._spots]
 
-        Args:
-            closed: Waypoints through which it cannot pass, because a bucket or a bot is there, shape (waypoints,).
-
-        Returns:
-            The same for waypoints, shape (waypoints,); True for lanes.
-        """
+    def open_spots(self) -> Mask:
+        """Which spots a bot with a bucket can get to or away from, shape (waypoints,); True for lanes. Read only."""
+        if not self.needed:
+            return self._all_open
         open_ = np.ones(len(self._number), bool)
-        if self.needed:
-            open_[self._spots] = _dig(self._first, self._heads, self._beside_lane, closed[self._spots])[0] == 0
+        open_[self._spots] = _dig(self._first, self._heads, self._beside_lane, self._closed)[0] == 0
         return open_
 
-    def in_the_way(self, closed: Mask, spot: int) -> list[int]:
+    def in_the_way(self, spot: int) -> list[int]:
         """The closed spots on the way out of one spot that passes the fewest, the outermost first."""
-        parent = _dig(self._first, self._heads, self._beside_lane, closed[self._spots])[1]
+        closed = self._closed
+        parent = _dig(self._first, self._heads, self._beside_lane, closed)[1]
         passed = []
         here = int(parent[self._number[spot]])
         while here >= 0:
-            if closed[self._spots[here]]:
+            if closed[here]:
                 passed.append(int(self._spots[here]))
             here = int(parent[here])
         return passed[::-1]
 
-    def depths(self, closed: Mask) -> Ints:
-        """How many closed spots are in the way of each spot, shape (waypoints,)."""
+    def depths(self) -> Ints:
+        """How many closed spots are in the way of each spot, shape (waypoints,). Read only."""
+        if not self.needed:
+            return self._no_depth
         depth = np.zeros(len(self._number), np.int32)
-        if self.needed:
-            depth[self._spots] = _dig(self._first, self._heads, self._beside_lane, closed[self._spots])[0]
+        depth[self._spots] = _dig(self._first, self._heads, self._beside_lane, self._closed)[0]
         return depth
 
-    def buried(self, closed: Mask, spots: Indices) -> Ints:
+    def buried(self, spots: Indices) -> Ints:
         """How many closed spots more would be cut off if each of some open spots were closed, shape (n,)."""
         if not self.needed:
             return np.zeros(len(spots), np.int32)
-        return _buried(self._first, self._heads, self._beside_lane, closed[self._spots], self._number[spots])
+        return _buried(self._first, self._heads, self._beside_lane, self._closed, self._number[spots])
 
 
 @kernel

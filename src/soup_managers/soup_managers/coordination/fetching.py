@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from soup_managers.coordination.digging import Digging
+from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
-from soup_managers.coordination.robots import Purpose, Robot
+from soup_managers.coordination.robots import Activity, Purpose, Robot
 from soup_managers.coordination.situation import Situation
 from soup_managers.explain import Explain
 from soup_managers.policies.coordinated import Coordinated
@@ -59,7 +60,8 @@ class Fetching:
     def choose(self, now: float) -> list[Fetch]:
         """The buckets to fetch now, at most one for each station that is short, as far as idle bots go."""
         situation = self._situation
-        idle = [robot.number for robot in situation.robots if robot.idle]
+        stands, none = Activity.STANDS, Purpose.NONE
+        idle = [r.number for r in situation.robots if r.activity is stands and r.purpose is none and r.bucket < 0]
         if not idle:
             return []
         short = [(situation.ahead_s(station), station) for station in situation.short_word_stations()]
@@ -121,7 +123,7 @@ class Fetching:
         words = [situation.want(station) for station in stations if situation.is_word_station(station)]
         word_scores = iter(policy.buckets.match(situation, words) if words else [])
         wants = iter(words)
-        depths = self._digging.depths(self._places.closed)[np.maximum(situation.spot_of, 0)]
+        depths = self._digging.depths()[np.maximum(situation.spot_of, 0)]
         chosen: dict[int, Wanted] = {}
         for station in stations:
             if situation.is_word_station(station):
@@ -135,7 +137,7 @@ class Fetching:
             if self._digging.needed:
                 scores = scores * DIG_DISCOUNT**depths
             taken = -1
-            for bucket in np.argsort(-scores, kind="stable")[: TRIES + len(chosen)].tolist():
+            for bucket in lowest(-scores, TRIES + len(chosen)):
                 if scores[bucket] <= 0.0:
                     break
                 first = self._first_to_move(bucket, int(depths[bucket]), station)
@@ -162,6 +164,6 @@ class Fetching:
 
     def _outermost(self, spot: int) -> int:
         """The first bucket that is to be moved so that one can get out of a spot, -1 where that is under way."""
-        in_the_way = self._digging.in_the_way(self._places.closed, spot)
+        in_the_way = self._digging.in_the_way(spot)
         bucket = self._situation.view.bucket_on.get(in_the_way[0], -1) if in_the_way else -1
         return bucket if bucket >= 0 and self._situation.free_buckets[bucket] else -1

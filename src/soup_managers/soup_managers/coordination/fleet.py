@@ -14,6 +14,7 @@ import numpy as np
 from soup_managers.coordination.digging import Digging
 from soup_managers.coordination.fetching import Fetch, Fetching
 from soup_managers.coordination.jobs import Job
+from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
 from soup_managers.coordination.situation import Situation
@@ -88,10 +89,11 @@ class CoordinatedFleet(Manager):
         self._traffic = Traffic(scenario, layout)
         self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
         self._places = Places(layout, scenario.bots)
-        self._digging = Digging(layout, self._places.spots)
+        self._digging = Digging(layout, self._places)
         self._fetching = Fetching(self.situation, policy, self._places, self._digging, self._explain)
         self._waiting_spots = self._near_stations()
-        self._kept_free = np.array([spot for spots in self._waiting_spots for spot in spots], np.int64)
+        self._kept_free = np.zeros(len(layout.waypoints), bool)
+        self._kept_free[[spot for spots in self._waiting_spots for spot in spots]] = True
         self._lines: list[list[Robot | None]] = [[None] * len(line) for line in self._traffic.lines]
         self._early: list[Message] = []
         self._orders = 0
@@ -561,7 +563,7 @@ class CoordinatedFleet(Manager):
 
         So nobody keeps a place in the line while it crosses the floor.
         """
-        open_ = self._digging.open_spots(self._places.closed)
+        open_ = self._digging.open_spots()
         for spot in self._waiting_spots[station]:
             if self._places.is_free(spot) and open_[spot] and self._go(robot, spot, now):
                 return True
@@ -664,7 +666,7 @@ class CoordinatedFleet(Manager):
 
     def _go_on(self, robot: Robot, scores: Floats, now: float) -> int:
         """Send a bucket to the best station that has a place and a way to it; which, or -1."""
-        for station in np.argsort(-scores, kind="stable")[:TRIES].tolist():
+        for station in lowest(-scores, TRIES):
             if scores[station] <= 0.0:
                 return -1
             slot = self._slot_for(robot, station, now) if station != robot.station else -1
@@ -688,19 +690,19 @@ class CoordinatedFleet(Manager):
         """Put the bucket away."""
         situation = self.situation
         spots = self._places.free_spots()
-        open_ = self._digging.open_spots(self._places.closed)[spots]
-        kept = np.isin(spots, self._kept_free)
+        open_ = self._digging.open_spots()[spots]
+        kept = self._kept_free[spots]
         spots = spots[open_ & ~kept] if (open_ & ~kept).any() else spots[open_]
         if not len(spots):
             self._later(robot, now, "no storage spot is free")
             return
         travel = self._traffic.times_from(robot.waypoint)[spots]
         costs = self._policy.storage.cost(situation, robot.bucket, spots, travel)
-        costs = costs + BURIED_S * self._digging.buried(self._places.closed, spots)
+        costs = costs + BURIED_S * self._digging.buried(spots)
         costs = np.where(np.isfinite(travel), costs, np.inf)
         before = robot.purpose
         robot.purpose = Purpose.STORE
-        for choice in np.argsort(costs, kind="stable")[:TRIES].tolist():
+        for choice in lowest(costs, TRIES):
             spot = int(spots[choice])
             if np.isfinite(costs[choice]) and self._go(robot, spot, now):
                 self._unbind(robot)
@@ -717,7 +719,7 @@ class CoordinatedFleet(Manager):
         if self._digging.needed and under.any():
             spots = spots[under]  # beside one it would close the way to those behind
         costs = self._traffic.times_from(robot.waypoint)[spots]
-        for choice in np.argsort(costs, kind="stable")[:TRIES].tolist():
+        for choice in lowest(costs, TRIES):
             if self._go(robot, int(spots[choice]), now):
                 return
         self._later(robot, now, "no way leads off the lane now")

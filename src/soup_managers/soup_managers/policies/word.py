@@ -9,6 +9,7 @@ import numpy as np
 
 from soup_managers.explain import Explain
 from soup_managers.view import WarehouseView
+from soup_msgs_py.layout import Ints
 from soup_msgs_py.messages import AssignWord
 
 
@@ -77,15 +78,33 @@ class Served(WordPolicy):
     The station with the fewest open words gets it. Of equals the oldest word is taken.
     """
 
+    def __init__(self) -> None:
+        """Know no word yet."""
+        self._letters: dict[int, tuple[Ints, Ints]] = {}
+
     def choose(self, view: WarehouseView, stations: Sequence[int], rng: np.random.Generator) -> AssignWord | None:
         """Largest share of letters that are there or come anyway."""
         station = max(stations, key=view.free_places.__getitem__)
-        spare = _spare(view, station)
+        spare = np.zeros(view.kinds, np.int64)
+        for tile, count in _spare(view, station).items():
+            spare[tile] = count
         numbers = np.fromiter(view.waiting_words, np.int64)
-        shares = np.array([_served(word.tiles, spare) / len(word.tiles) for word in view.waiting_words.values()])
+        known = self._letters
+        self._letters = {n: known.get(n) or _letters(word.tiles) for n, word in view.waiting_words.items()}
+        lengths = np.array([len(tiles) for tiles, _ in self._letters.values()])
+        tiles = np.concatenate([tiles for tiles, _ in self._letters.values()])
+        before = np.concatenate([before for _, before in self._letters.values()])
+        served = np.add.reduceat((spare[tiles] > before).astype(np.int64), np.cumsum(lengths) - lengths)
+        shares = served / lengths
         best = int(numbers[shares.argmax()])
         self.explain.choice("words", best, shares, numbers, station=station)
         return AssignWord(best, station)
+
+
+def _letters(tiles: tuple[int, ...]) -> tuple[Ints, Ints]:
+    """The letters of a word, and how many of the same kind come before each in it."""
+    before = [tiles[:place].count(tile) for place, tile in enumerate(tiles)]
+    return np.array(tiles, np.int32), np.array(before, np.int32)
 
 
 def _spare(view: WarehouseView, station: int) -> dict[int, int]:

@@ -7,7 +7,8 @@ from collections import OrderedDict
 import numpy as np
 
 from soup_managers.traffic.desk import Desk
-from soup_managers.traffic.roads import SPOT, Mask, Roads
+from soup_managers.traffic.roads import FORWARD, SPOT, Mask, Roads
+from soup_managers.traffic.runs import turn_time
 from soup_managers.traffic.ways import find_way, follow, follow_back, tree_from, tree_to
 from soup_msgs_py.layout import Floats, Ints
 
@@ -57,13 +58,33 @@ class Routes:
         kept = self._to if self._roads.line[goal] >= 0 else self._others
         tree = kept.get(goal)
         if tree is None:
-            tree = kept[goal] = tree_to(self._roads, goal, self.deep, self._nothing)
+            tree = kept[goal] = self._tree_to(goal)
             tree[0].flags.writeable = False
         if kept is self._others:
             self._others.move_to_end(goal)
             if len(self._others) > KEPT_TREES:
                 self._others.popitem(last=False)
         return tree
+
+    def _tree_to(self, goal: int) -> _Tree:
+        """Ways to a place in a line lead to the line's end, and on from there; so only ends need a search."""
+        roads = self._roads
+        ahead = np.flatnonzero((roads.kind == FORWARD) & (roads.head == goal))
+        if roads.line[goal] < 0 or not len(ahead):
+            return tree_to(roads, goal, self.deep, self._nothing)
+        edge = int(ahead[0])
+        behind = int(roads.tail[edge])
+        times, first = self.to(behind)
+        times, first = times.copy(), first.copy()
+        stops_s = roads.max_speed / roads.max_acceleration
+        times += float(roads.pace[edge]) + stops_s
+        if roads.turn_rate > 0.0:
+            into = roads.into_edge[roads.into[behind] : roads.into[behind + 1]]
+            turns = [turn_time(roads.heading[e], roads.heading[edge], roads.turn_rate) for e in into.tolist()]
+            times += min(turns)
+        times[behind], first[behind] = float(roads.pace[edge]) + stops_s, edge
+        times[goal], first[goal] = 0.0, -1
+        return times, first
 
     def away(self, start: int) -> _Tree:
         """Seconds from a place to all lanes and spots, and the last edge of each way; kept for station lines."""
