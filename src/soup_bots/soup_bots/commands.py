@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from soup_bots.steering.base import BOT_ON_GOAL, EVADES, FOLLOW, VELOCITY
+from soup_msgs_py.kernel import maker
 from soup_msgs_py.messages import Floats, Ints
 
 # what to do about a bot; they add up
@@ -20,7 +20,7 @@ ASK = 32  # ask the other bot to make way
 OTHERS = 1 << 20  # more than there are bots or buckets
 
 
-@njit(cache=True)
+@maker
 def what_changes(
     rows: NDArray[np.int64],
     new_mode: NDArray[np.int8],

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from soup_msgs_py.kernel import kernel, maker
 from soup_msgs_py.messages import Floats, Ints, Point
 
 # all in radii of a bot
@@ -21,7 +21,7 @@ CUT = 3.2  # how far from a corner an evading bot may turn to the next one
 ON_LEG_M = 1e-3  # a bot that never evades is on its route but for rounding
 
 
-@njit(cache=True)
+@kernel
 def distance_to_segment(px: float, py: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Distance (m) of a point from the segment a b."""
     sx, sy = bx - ax, by - ay
@@ -41,7 +41,7 @@ def corner_ahead(route: Sequence[Point], corner: int, place: Point) -> int:
     return corner
 
 
-@njit(cache=True)
+@maker
 def corners_passed(
     rows: NDArray[np.int64],
     course: Floats,
@@ -95,7 +95,7 @@ def corners_passed(
     return rows[passed]
 
 
-@njit(cache=True)
+@kernel
 def is_detour(px: float, py: float, course: Floats, radius: float) -> bool:
     """Whether a bot, after waiting near the end of its route, would turn back to get to the next corner."""
     dx, dy = course[6] - px, course[7] - py
@@ -104,7 +104,7 @@ def is_detour(px: float, py: float, course: Floats, radius: float) -> bool:
     return left2 < DIRECT * DIRECT * radius * radius and left2 < dx * dx + dy * dy
 
 
-@njit(cache=True)
+@kernel
 def occupied(me: int, at_x: float, at_y: float, x: Floats, y: Floats, vx: Floats, vy: Floats, radius: float) -> bool:
     """Whether a bot other than `me` stands so that no bot can be at a point."""
     for j in range(len(x)):
@@ -114,7 +114,7 @@ def occupied(me: int, at_x: float, at_y: float, x: Floats, y: Floats, vx: Floats
     return False
 
 
-@njit(cache=True)
+@kernel
 def room_to_start(me: int, x: Floats, y: Floats, vx: Floats, vy: Floats, radius: float, ahead_s: float) -> bool:
     """Whether a standing bot can set off anywhere without coming near another one within `ahead_s` seconds."""
     for j in range(len(x)):

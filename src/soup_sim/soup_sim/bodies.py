@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from soup_msgs_py.kernel import kernel
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Floats, Ints, Point
 from soup_msgs_py.scenario import Scenario
@@ -19,7 +19,7 @@ _AT_MOST = 20_000  # contacts found at once
 _LOOSE = 256  # buckets released within one window
 
 
-@njit(cache=True)
+@kernel
 def _positions(state, segments, count, t, out):
     """Position, velocity, heading of all bots at time t, shape (5, bots)."""
     for i in range(len(count)):
@@ -27,7 +27,7 @@ def _positions(state, segments, count, t, out):
         out[0, i], out[1, i], out[2, i], out[3, i], out[4, i] = x, y, vx, vy, heading
 
 
-@njit(cache=True)
+@kernel
 def _bucket_positions(state, segments, count, bucket_xy, carrier, t, out):
     """Positions of all buckets at time t, shape (2, buckets)."""
     for b in range(len(carrier)):
@@ -37,7 +37,7 @@ def _bucket_positions(state, segments, count, bucket_xy, carrier, t, out):
         out[0, b], out[1, b] = x, y
 
 
-@njit(cache=True)
+@kernel
 def _change_velocities(bots, state, segments, count, t, vx, vy, V, A, turn_rate, edges, odometer, moving, ends):
     """Give many bots target velocities; `ends` receives when each will stand."""
     for k in range(len(bots)):
@@ -48,7 +48,7 @@ def _change_velocities(bots, state, segments, count, t, vx, vy, V, A, turn_rate,
         moving[i] = ends[k] > t
 
 
-@njit(cache=True)
+@kernel
 def _change_leg(i, state, segments, count, t, gx, gy, V, A, turn_rate, edges, duration, odometer, moving):
     """Send one bot straight to a goal; returns when it will be there."""
     odometer[i] += motion.length_of(state, segments, count, i, t)
@@ -58,7 +58,7 @@ def _change_leg(i, state, segments, count, t, gx, gy, V, A, turn_rate, edges, du
     return end
 
 
-@njit(cache=True)
+@kernel
 def _stand(i, state, segments, count, t, odometer, moving):
     """Stop one bot dead where it is at time t."""
     odometer[i] += motion.length_of(state, segments, count, i, t)
@@ -67,21 +67,21 @@ def _stand(i, state, segments, count, t, odometer, moving):
     moving[i] = False
 
 
-@njit(cache=True)
+@kernel
 def _arrive(i, state, segments, count, t, odometer, moving, x, y):
     """The same at the end of a leg: exactly on its goal, free of rounding."""
     _stand(i, state, segments, count, t, odometer, moving)
     state[i, 1], state[i, 2] = x, y
 
 
-@njit(cache=True)
+@kernel
 def _driven(state, segments, count, t, odometer, out):
     """Distance that each bot has driven until time t."""
     for i in range(len(count)):
         out[i] = odometer[i] + motion.length_of(state, segments, count, i, t)
 
 
-@njit(cache=True)
+@kernel
 def _fits(bucket, x, y, bucket_xy, carrier, apart):
     """Whether no resting bucket but `bucket` is nearer than `apart` to a place."""
     for b in range(len(carrier)):

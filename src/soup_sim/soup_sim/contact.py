@@ -7,19 +7,19 @@ degree four in time; its first root is the instant of contact. Pairs are found t
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
+from soup_msgs_py.kernel import kernel, maker
 from soup_sim.motion import piece_at
 
 TOUCH = 1e-9  # m2, on the squared distance: closer than this counts as touching
 
 
-@njit(cache=True)
+@kernel
 def _value(c, s):
     return (((c[4] * s + c[3]) * s + c[2]) * s + c[1]) * s + c[0]
 
 
-@njit(cache=True)
+@kernel
 def _bisect(c, low, high):
     """The root between low and high, where the polynomial changes its sign."""
     sign_low = _value(c, low) > 0.0
@@ -34,15 +34,13 @@ def _bisect(c, low, high):
     return low
 
 
-@njit(cache=True)
-def _turning_points(c, h, out):
-    """Times within (0, h) at which the quartic turns: roots of its derivative, in order; how many."""
+@kernel
+def _turning_points(c, h):
+    """Times within (0, h) at which the quartic turns: roots of its derivative, in order; how many, and three places."""
     d = (c[1], 2.0 * c[2], 3.0 * c[3], 4.0 * c[4], 0.0)
     # the derivative is monotone between the roots of its own derivative
     q0, q1, q2 = d[1], 2.0 * d[2], 3.0 * d[3]
-    knots = np.empty(4)
-    knots[0] = 0.0
-    k = 1
+    first, second = h, h
     if abs(q2) > 0.0:
         disc = q1 * q1 - 4.0 * q2 * q0
         if disc > 0.0:
@@ -53,24 +51,30 @@ def _turning_points(c, h, out):
             if a > b:
                 a, b = b, a
             if 0.0 < a < h:
-                knots[k] = a
-                k += 1
+                first = a
             if 0.0 < b < h and b != a:
-                knots[k] = b
-                k += 1
+                if first < h:
+                    second = b
+                else:
+                    first = b
     elif q1 != 0.0 and 0.0 < -q0 / q1 < h:
-        knots[k] = -q0 / q1
-        k += 1
-    knots[k] = h
-    n = 0
-    for m in range(k):
+        first = -q0 / q1
+    knots = (0.0, first, second, h)
+    n, one, two, three = 0, 0.0, 0.0, 0.0
+    for m in range(3):
         if (_value(d, knots[m]) > 0.0) != (_value(d, knots[m + 1]) > 0.0):
-            out[n] = _bisect(d, knots[m], knots[m + 1])
+            turn = _bisect(d, knots[m], knots[m + 1])
+            if n == 0:
+                one = turn
+            elif n == 1:
+                two = turn
+            else:
+                three = turn
             n += 1
-    return n
+    return n, one, two, three
 
 
-@njit(cache=True)
+@kernel
 def first_touch(px, py, vx, vy, ax, ay, radii, h):
     """The first time in [0, h] at which a relative motion brings two discs into contact; infinity if none does.
 
@@ -91,8 +95,8 @@ def first_touch(px, py, vx, vy, ax, ay, radii, h):
             return np.inf
         s = 2.0 * c0 / (-c1 + np.sqrt(disc))
         return s if s <= h else np.inf
-    turns = np.empty(3)
-    n = _turning_points(c, h, turns)
+    n, one, two, three = _turning_points(c, h)
+    turns = (one, two, three)
     low = 0.0
     for k in range(n + 1):
         high = turns[k] if k < n else h
@@ -102,7 +106,7 @@ def first_touch(px, py, vx, vy, ax, ay, radii, h):
     return np.inf
 
 
-@njit(cache=True)
+@kernel
 def contact_with_bot(state, segments, count, i, j, t0, t1, radii):
     """The first time in [t0, t1] at which bots i and j come into contact at a distance of `radii`; else infinity."""
     t = t0
@@ -117,7 +121,7 @@ def contact_with_bot(state, segments, count, i, j, t0, t1, radii):
     return np.inf
 
 
-@njit(cache=True)
+@kernel
 def contact_with_point(state, segments, count, i, x, y, t0, t1, radii):
     """The first time in [t0, t1] at which bot i comes within `radii` of a resting disc at (x, y); else infinity."""
     t = t0
@@ -131,14 +135,14 @@ def contact_with_point(state, segments, count, i, x, y, t0, t1, radii):
     return np.inf
 
 
-@njit(cache=True)
+@kernel
 def cell_of(v, cell, n):
     """The cell of a coordinate, kept within the grid."""
     k = int(v / cell)
     return 0 if k < 0 else (n - 1 if k >= n else k)
 
 
-@njit(cache=True)
+@kernel
 def fill_cells(xy, use, cell, nx, ny, head, following):
     """Sort the points with use[k] into the cells: `head` of each cell, then `following` point by point; -1 ends."""
     head[:] = -1
@@ -149,7 +153,7 @@ def fill_cells(xy, use, cell, nx, ny, head, following):
             head[here] = k
 
 
-@njit(cache=True)
+@kernel
 def contacts_of_some(
     some, ordered, state, segments, count, moving, bucket, bucket_xy, carrier, loose, t0, t1, r_bot, r_bucket,
     cell, nx, ny, bot_head, bot_next, bucket_head, bucket_next, places, reach, when, who, other,
@@ -210,7 +214,7 @@ def contacts_of_some(
     return n
 
 
-@njit(cache=True)
+@maker
 def begin_window(
     state, segments, count, bucket_xy, carrier, t0, cell, nx, ny, bot_head, bot_next, bucket_head, bucket_next, places
 ):  # fmt: skip

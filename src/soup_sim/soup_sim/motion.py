@@ -11,7 +11,8 @@ rate; `count[i]` = number of segments. Limits: V is the maximum speed, A the max
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from soup_msgs_py.kernel import kernel
 
 MAX_SEGMENTS = 7
 STILL = 1e-12
@@ -19,7 +20,7 @@ _ALIGNED = 1e-9
 _PI = 3.141592653589793
 
 
-@njit(cache=True)
+@kernel
 def heading_of(dx, dy):
     """The angle of a direction in radians, within (-pi, pi]; like atan2, but the same bits everywhere."""
     if dx == 0.0 and dy == 0.0:
@@ -42,7 +43,7 @@ def heading_of(dx, dy):
     return angle if dy >= 0.0 else -angle
 
 
-@njit(cache=True)
+@kernel
 def piece_at(state, segments, count, i, t):
     """Position, velocity, acceleration, heading, turn rate of bot i at time t, and when this piece of motion ends."""
     rest = t - state[i, 0]
@@ -61,7 +62,7 @@ def piece_at(state, segments, count, i, t):
     return x, y, 0.0, 0.0, 0.0, 0.0, heading, 0.0, np.inf
 
 
-@njit(cache=True)
+@kernel
 def stop_point_inside(x, y, vx, vy, A, edges):
     """Whether a bot that brakes now comes to rest on the floor; `edges` = x and y range of its centre."""
     reach = np.sqrt(vx * vx + vy * vy) / (2.0 * A)
@@ -70,7 +71,7 @@ def stop_point_inside(x, y, vx, vy, A, edges):
     return sx >= edges[0] - slack and sx <= edges[1] + slack and sy >= edges[2] - slack and sy <= edges[3] + slack
 
 
-@njit(cache=True)
+@kernel
 def _add(segments, i, n, duration, ax, ay, turn):
     """Append a segment, unless it is empty; the new number of segments."""
     if duration <= 0.0:
@@ -82,7 +83,7 @@ def _add(segments, i, n, duration, ax, ay, turn):
     return n + 1
 
 
-@njit(cache=True)
+@kernel
 def _add_brake(segments, i, n, vx, vy, A):
     """Append the shortest stop."""
     speed = np.sqrt(vx * vx + vy * vy)
@@ -91,7 +92,7 @@ def _add_brake(segments, i, n, vx, vy, A):
     return _add(segments, i, n, speed / A, -A * vx / speed, -A * vy / speed, 0.0)
 
 
-@njit(cache=True)
+@kernel
 def _add_turn(segments, i, n, heading, ux, uy, turn_rate):
     """Append the turn on the spot that faces direction u; the new heading and number of segments."""
     wanted = heading_of(ux, uy)
@@ -105,7 +106,7 @@ def _add_turn(segments, i, n, heading, ux, uy, turn_rate):
     return wanted, n
 
 
-@njit(cache=True)
+@kernel
 def _safe_share_of_ramp(x, y, vx, vy, ax, ay, duration, A, edges):
     """How long a ramp may last so that the bot can always still stop on the floor."""
     steps = 16
@@ -127,7 +128,7 @@ def _safe_share_of_ramp(x, y, vx, vy, ax, ay, duration, A, edges):
     return duration
 
 
-@njit(cache=True)
+@kernel
 def _add_ramp_and_cruise(segments, i, n, x, y, vx, vy, tx, ty, A, edges):
     """Append the change from v to the target velocity t (equations 3 to 5), the cruise, the stop at the edge."""
     dvx, dvy = tx - vx, ty - vy
@@ -155,7 +156,7 @@ def _add_ramp_and_cruise(segments, i, n, x, y, vx, vy, tx, ty, A, edges):
     return _add_brake(segments, i, n, tx, ty, A)
 
 
-@njit(cache=True)
+@kernel
 def settle(state, segments, count, i, t):
     """Make time t the start of bot i's motion and forget its segments."""
     x, y, vx, vy, _, _, heading, _, _ = piece_at(state, segments, count, i, t)
@@ -164,7 +165,7 @@ def settle(state, segments, count, i, t):
     count[i] = 0
 
 
-@njit(cache=True)
+@kernel
 def duration_of(segments, count, i):
     """How long the motion of bot i lasts, from its start to rest."""
     total = 0.0
@@ -173,7 +174,7 @@ def duration_of(segments, count, i):
     return total
 
 
-@njit(cache=True)
+@kernel
 def length_of(state, segments, count, i, until):
     """Distance driven from the start of bot i's motion to time `until` (Simpson's rule on the speed)."""
     total = 0.0
@@ -198,7 +199,7 @@ def length_of(state, segments, count, i, until):
     return total
 
 
-@njit(cache=True)
+@kernel
 def plan_velocity(state, segments, count, i, t, tx, ty, V, A, turn_rate, edges):
     """Plan bot i's motion from time t towards a target velocity (equations 1 to 5).
 
@@ -224,14 +225,14 @@ def plan_velocity(state, segments, count, i, t, tx, ty, V, A, turn_rate, edges):
     count[i] = _add_ramp_and_cruise(segments, i, n, x, y, vx, vy, tx, ty, A, edges)
 
 
-@njit(cache=True)
+@kernel
 def plan_turn(state, segments, count, i, t, turn_radps, seconds):
     """Plan a turn on the spot at a given rate."""
     settle(state, segments, count, i, t)
     count[i] = _add(segments, i, 0, seconds, 0.0, 0.0, turn_radps)
 
 
-@njit(cache=True)
+@kernel
 def _add_straight(segments, i, n, ux, uy, distance, v0, V, A, duration):
     """Append accelerating from v0 along u, cruising, stopping after `distance` (equation 6 and its cruise).
 
@@ -250,7 +251,7 @@ def _add_straight(segments, i, n, ux, uy, distance, v0, V, A, duration):
     return _add(segments, i, n, peak / A, -A * ux, -A * uy, 0.0)
 
 
-@njit(cache=True)
+@kernel
 def plan_leg(state, segments, count, i, t, gx, gy, V, A, turn_rate, edges, duration):
     """Plan bot i's motion from time t straight to a goal, at rest there.
 

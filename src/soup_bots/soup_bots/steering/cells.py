@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from soup_msgs_py.kernel import kernel, maker
 from soup_msgs_py.messages import Floats
 
 Cells = NDArray[np.int32]
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def cell_of(value: float, size: float, count: int) -> int:
     """Index along one axis; what lies off the floor belongs to the cell at its edge."""
     cell = int(value / size)
@@ -20,7 +20,7 @@ def cell_of(value: float, size: float, count: int) -> int:
     return cell if cell < count else count - 1
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def fill_cells(
     x: Floats, y: Floats, wanted: NDArray[np.bool_], size: float, columns: int, rows: int
 ) -> tuple[Cells, Cells]:

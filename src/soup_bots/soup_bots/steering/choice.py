@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from soup_bots.steering.geometry import FAR, TURNS, time_to_touch_until
+from soup_msgs_py.kernel import inlined, kernel
 
 X, Y, VX, VY, KEEPS, TOUCH, KEPT, DX, DY = range(9)
 COLUMNS = 9
@@ -24,7 +23,7 @@ CHANGE_COST = 0.15
 LEFT_COST = 0.06
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def lag(vx, vy, wx, wy, max_a):
     """How far a bot falls behind a constant (wx, wy) while it accelerates to it (equations 3 to 5)."""
     ax, ay = wx - vx, wy - vy
@@ -32,7 +31,7 @@ def lag(vx, vy, wx, wy, max_a):
     return -ax * share, -ay * share
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def way_to(px, py, vx, vy, gx, gy, dir_x, dir_y, speed, max_a):
     """Driving to (gx, gy) as one constant velocity: where it seems to start, the velocity, for how many seconds."""
     lag_x, lag_y = lag(vx, vy, dir_x * speed, dir_y * speed, max_a)
@@ -44,7 +43,7 @@ def way_to(px, py, vx, vy, gx, gy, dir_x, dir_y, speed, max_a):
     return sx, sy, dx / dist * speed, dy / dist * speed, dist / speed
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def short_way(px, py, vx, vy, gx, gy, sx, sy, wx, wy, keeps_s, max_v, max_a, slow):
     """The same for a way too short to bend into: the bot brakes first where it moves elsewhere, and starts anew.
 
@@ -70,7 +69,7 @@ def short_way(px, py, vx, vy, gx, gy, sx, sy, wx, wy, keeps_s, max_v, max_a, slo
     return True, px - wx * brakes, py - wy * brakes, wx, wy, rest_to_rest + brakes
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def leaves_floor(px, py, vx, vy, floor):
     """Whether a velocity leads off the floor (least and greatest x, and y) before it can be changed."""
     x, y = px + SWERVE_S * vx, py + SWERVE_S * vy
@@ -82,7 +81,7 @@ def leaves_floor(px, py, vx, vy, floor):
     )
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def closing_speed(near, k, wx, wy):
     """How fast (m/s) a bot that drives at (wx, wy) presses on a disc that it touches already; 0: it does not."""
     dx, dy, touch = near[k, DX], near[k, DY], near[k, TOUCH]
@@ -93,7 +92,7 @@ def closing_speed(near, k, wx, wy):
     return closing / math.sqrt(apart + 1e-12) if closing > 1e-9 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def clear_for(near, horizon, count, px, py, wx, wy, keeps_s):
     """Seconds until a bot comes too near to one of `near[:count]`, FAR: not within its horizon; and which one.
 
@@ -112,7 +111,7 @@ def clear_for(near, horizon, count, px, py, wx, wy, keeps_s):
     return worst, which
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def clear_after(near, horizon, count, px, py, to_x, to_y, speed, wait_s):
     """The same for the leg of a route that begins in `wait_s` seconds at (px, py) and leads to (to_x, to_y)."""
     dx, dy = to_x - px, to_y - py
@@ -132,7 +131,7 @@ def clear_after(near, horizon, count, px, py, to_x, to_y, speed, wait_s):
     return worst
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def danger(near, horizon, count, px, py, wx, wy, enough):
     """What a constant velocity (wx, wy) costs because of what it would touch, or nearly touch.
 
@@ -165,7 +164,7 @@ def danger(near, horizon, count, px, py, wx, wy, enough):
     return cost
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def stays_clear(count, near, horizon, px, py, vx, vy, wx, wy, max_a, floor):
     """Whether a bot that keeps on driving at (wx, wy) comes too near to nothing, and stays on the floor."""
     if (wx == 0.0 and wy == 0.0) or leaves_floor(px, py, wx, wy, floor):
@@ -174,7 +173,7 @@ def stays_clear(count, near, horizon, px, py, vx, vy, wx, wy, max_a, floor):
     return clear_for(near, horizon, count, px + lag_x, py + lag_y, wx, wy, FAR)[0] == FAR
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def keep_reachable(near, horizon, count, first, max_v):
     """Move the discs that could be touched within their horizon at all to the front of `near`; how many they are.
 
@@ -190,13 +189,14 @@ def keep_reachable(near, horizon, count, first, max_v):
         reach = (max_v + other) * horizon[k] + near[k, KEPT]
         if near[k, DX] * near[k, DX] + near[k, DY] * near[k, DY] <= reach * reach:
             if kept != k:
-                near[kept, :] = near[k, :]
+                for c in range(COLUMNS):
+                    near[kept, c] = near[k, c]
                 horizon[kept] = horizon[k]
             kept += 1
     return kept
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def best_velocity(count, near, horizon, px, py, vx, vy, wx, wy, dir_x, dir_y, last_x, last_y, max_v, max_a, floor):
     """The best candidate around the wanted velocity (wx, wy), whose direction is (dir_x, dir_y).
 

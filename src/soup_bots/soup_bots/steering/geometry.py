@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from soup_msgs_py.kernel import inlined
 
 _H = math.sqrt(0.5)
 _C15 = math.sqrt((1.0 + math.sqrt(0.75)) / 2.0)
@@ -30,7 +31,7 @@ TURNS = np.array(
 FAR = 1e9  # s: never
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def time_to_touch(dx: float, dy: float, ux: float, uy: float, reach: float) -> float:
     """When two discs touch.
 
@@ -56,7 +57,7 @@ def time_to_touch(dx: float, dy: float, ux: float, uy: float, reach: float) -> f
     return gap / (closing + math.sqrt(root))
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def kept_distance(dx: float, dy: float, touch: float, margin: float) -> float:
     """Distance of the centres to keep: with margin, but inside the margin only as much as is left of it.
 
@@ -68,7 +69,7 @@ def kept_distance(dx: float, dy: float, touch: float, margin: float) -> float:
     return touch + left if left > 0.0 else touch
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def time_to_touch_until(
     dx: float,
     dy: float,

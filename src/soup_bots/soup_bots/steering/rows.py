@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 
 from soup_bots.steering.base import BOT_ON_GOAL, BUCKET_IN_WAY, BUCKET_ON_GOAL, EVADES, VELOCITY
 from soup_bots.steering.cells import cell_of, fill_cells
@@ -33,6 +32,7 @@ from soup_bots.steering.choice import (
 from soup_bots.steering.geometry import FAR, TURNS, kept_distance
 from soup_bots.steering.waiting import occupier, waiting_point
 from soup_msgs_py.codes import BotState
+from soup_msgs_py.kernel import inlined, maker
 
 MOST_NEAR = 96  # discs that one bot minds
 CELL_M = 12.0  # m: much smaller or larger cells cost time
@@ -46,7 +46,7 @@ CHOOSES = 3  # calls: so often a bot that evades looks for a better velocity tha
 FREE, MOVING = int(BotState.FREE), int(BotState.MOVING)
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def note_bots(
     i, start, member, columns, lines, reach_m, all_of_them, x, y, vx, vy, bucket, state, touch_empty, touch_loaded,
     margin, max_v, max_a, period, look, give_way, calls, command, travels, decided, planned, near, who, horizon, evades,
@@ -104,7 +104,7 @@ def note_bots(
     return count
 
 
-@njit(cache=True, inline="always", error_model="numpy")
+@inlined
 def note_buckets(
     px, py, start, member, columns, lines, reach_m, bucket_x, bucket_y, touch, margin, count, near, who, horizon
 ):  # fmt: skip
@@ -127,7 +127,7 @@ def note_buckets(
     return count
 
 
-@njit(cache=True, error_model="numpy")
+@maker
 def steer_rows(
     bot, goal_x, goal_y, next_x, next_y, end_x, end_y,
     x, y, vx, vy, bucket, state,

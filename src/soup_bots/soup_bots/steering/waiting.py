@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
 from soup_bots.steering.choice import KEPT, VX, VY, X, Y
 from soup_bots.steering.geometry import TURNS
 from soup_msgs_py.codes import BotState
+from soup_msgs_py.kernel import kernel
 
 RINGS = 3
 PLACES = (0, 3, 4, 7, 8, 11, 12)  # turns by 0, 30, 60 and 90 degrees
@@ -16,7 +15,7 @@ MOVING = int(BotState.MOVING)
 FRONT = 0.85  # cosine: a wider angle than this off the way into the floor is not in front of a station
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def occupier(
     me, bots, near, who, state, x, y, end_x, end_y, my_dist, on_goal, contest, slow, calls, decided, end, came, turn_m
 ):  # fmt: skip
@@ -51,7 +50,7 @@ def occupier(
     return found
 
 
-@njit(cache=True, error_model="numpy")
+@kernel
 def waiting_point(
     px, py, goal_x, goal_y, hold_m, touch, bots, count, near, slow, radius, width, height
 ):  # fmt: skip

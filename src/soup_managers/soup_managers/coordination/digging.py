@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_managers.coordination.places import Places
-from soup_managers.traffic.kernel import kernel
+from soup_msgs_py.kernel import maker
 from soup_msgs_py.layout import Ints, Layout
 
 Mask = NDArray[np.bool_]
@@ -83,7 +83,7 @@ class Digging:
         return _buried(self._first, self._heads, self._beside_lane, self._closed, self._number[spots])
 
 
-@kernel
+@maker
 def _dig(first, heads, beside_lane, closed):
     """The fewest closed spots between each spot and the lanes, and the next spot on that way, -1 for a lane."""
     n = len(beside_lane)
@@ -120,7 +120,7 @@ def _dig(first, heads, beside_lane, closed):
     return depth, parent
 
 
-@kernel
+@maker
 def _buried(first, heads, beside_lane, closed, spots):
     before = _dig(first, heads, beside_lane, closed)[0]
     buried = np.zeros(len(spots), np.int32)

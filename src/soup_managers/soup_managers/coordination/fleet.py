@@ -407,14 +407,19 @@ class CoordinatedFleet(Manager):
 
     # ---- legs and operations -------------------------------------------------------------------------------
 
-    def _go(self, robot: Robot, goal: int, now: float) -> bool:
+    def _go(self, robot: Robot, goal: int, now: float, *, hurried: bool = False) -> bool:
         """Send a bot that stands to a waypoint; False where no way can be planned now."""
         if self._traffic.at(robot.number) == goal:
             self._arrived(robot, now)
             return True
         loaded = robot.bucket >= 0
         leg = self._traffic.plan(
-            robot.number, goal, now + self.lead_s, loaded=loaded, blocked_spots=self._places.occupied
+            robot.number,
+            goal,
+            now + self.lead_s,
+            loaded=loaded,
+            blocked_spots=self._places.occupied,
+            hurried=hurried,
         )
         if leg is None:
             return False
@@ -718,9 +723,9 @@ class CoordinatedFleet(Manager):
         under = self._places.occupied[spots]
         if self._digging.needed and under.any():
             spots = spots[under]  # beside one it would close the way to those behind
-        costs = self._traffic.times_from(robot.waypoint)[spots]
+        costs = self._traffic.estimates(robot.waypoint, spots)
         for choice in lowest(costs, TRIES):
-            if self._go(robot, int(spots[choice]), now):
+            if self._go(robot, int(spots[choice]), now, hurried=True):
                 return
         self._later(robot, now, "no way leads off the lane now")
 

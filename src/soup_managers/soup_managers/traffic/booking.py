@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.roads import AT_END_M
 from soup_managers.traffic.runs import turn_time
 from soup_managers.traffic.search import begin_run, extend_run, times_held
 from soup_managers.traffic.timetable import SAME_S, add, cut_standing, forget, gap_after
+from soup_msgs_py.kernel import kernel
 
 TABLE_FULL = -1
 _SPARE = 2  # holds that one schedule may add to a waypoint

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from soup_managers.traffic.kernel import kernel
+from soup_msgs_py.kernel import kernel
 
 
 @kernel

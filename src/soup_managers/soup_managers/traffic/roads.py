@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_managers.traffic.holds import Edges, Hold, Motion, find_holds
-from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.lines import Line
 from soup_managers.traffic.runs import heading_of
+from soup_msgs_py.kernel import maker
 from soup_msgs_py.layout import Floats, Ints, Layout
 
 Bytes = NDArray[np.uint8]
@@ -149,7 +149,7 @@ def _crowded(head: Ints, length: Floats, holds: list[list[Hold]], count: int) ->
     return crowded
 
 
-@kernel
+@maker
 def _straight_on(out, tail, head, ahead):
     straight = np.full(len(head), -1, np.int32)
     for edge in range(len(head)):

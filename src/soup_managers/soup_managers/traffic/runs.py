@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.traffic.kernel import kernel
+from soup_msgs_py.kernel import kernel
 
 _PI = 3.141592653589793
 

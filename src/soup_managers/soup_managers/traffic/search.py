@@ -11,11 +11,11 @@ import numpy as np
 
 from soup_managers.traffic.desk import LONGEST_RUN
 from soup_managers.traffic.heap import drop_first, push
-from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.roads import AT_END_M
 from soup_managers.traffic.runs import run_time, time_at, turn_time
 from soup_managers.traffic.timetable import SAME_S, gap_after, in_the_way, stands_on
 from soup_managers.traffic.ways import stop_time, usable
+from soup_msgs_py.kernel import kernel
 
 _LOOK_BACK = 8  # an edge holds what one of the last few edges holds, or something new
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from soup_managers.traffic.kernel import kernel
+from soup_msgs_py.kernel import kernel
 from soup_msgs_py.layout import Floats, Ints
 
 SAME_S = 1e-9  # moments that are closer are one: sums of times differ in their last digits

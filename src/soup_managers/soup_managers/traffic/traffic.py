@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from soup_managers.traffic.booking import TABLE_FULL, book, read_schedule, wait_early
 from soup_managers.traffic.desk import make_desk
@@ -200,6 +201,7 @@ class Traffic:
         loaded: bool,
         depart_by: float = math.inf,
         blocked_spots: Mask | None = None,
+        hurried: bool = False,
     ) -> Leg | None:
         """Plan and reserve a bot's next leg, from where its last one ends.
 
@@ -211,6 +213,7 @@ class Traffic:
             depart_by: When it must have departed.
             blocked_spots: Waypoints on which buckets rest, shape (waypoints,): a loaded bot in a deep layout passes
                 through the other spots. Without it, through none.
+            hurried: Whether not to look long for a way where the usual one is closed.
 
         Returns:
             The leg that arrives first; None, and nothing has changed, if there is none now: somebody stands at the
@@ -225,13 +228,13 @@ class Traffic:
             return None
         blocked = self._routes.blocked(loaded, blocked_spots)
         if stand.waypoint == NOWHERE:
-            return self._rejoin(bot, goal, ready, loaded, depart_by, blocked)
+            return self._rejoin(bot, goal, ready, loaded, depart_by, blocked, hurried)
         edges = self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
         label, in_time = self._on_way(edges, bot, goal, ready, goal_free, blocked, depart_by)
         arrive = float(self._desk.time[label]) if label >= 0 else math.inf
         if arrive > in_time + PATIENCE_S:
             worst = math.inf if label < 0 else min(arrive - 0.5 * PATIENCE_S, in_time + 2.0 * PATIENCE_S)
-            other = self._on_any_way(bot, goal, ready, blocked, depart_by, worst)
+            other = self._on_any_way(bot, goal, ready, blocked, depart_by, worst, hurried)
             if other < 0 and label >= 0:
                 self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
                 label, _ = self._on_way(edges, bot, goal, ready, goal_free, blocked, depart_by)
@@ -242,7 +245,9 @@ class Traffic:
         leg = self._book(bot, label, ready, depart_by)
         if leg is not None:
             return leg
-        return self.plan(bot, goal, earliest, loaded=loaded, depart_by=depart_by, blocked_spots=blocked_spots)
+        return self.plan(
+            bot, goal, earliest, loaded=loaded, depart_by=depart_by, blocked_spots=blocked_spots, hurried=hurried
+        )
 
     def revoke(self, bot: int, now: float) -> None:
         """Take back all legs of a bot that have not departed: it stands where the first of them begins.
@@ -270,6 +275,13 @@ class Traffic:
     def times_to(self, goal: int) -> Floats:
         """How long drives to a goal take from every waypoint (s), shape (waypoints,); read only, kept for lines."""
         return self._routes.to(goal)[0]
+
+    def estimates(self, start: int, goals: NDArray[np.int64]) -> Floats:
+        """As `travel_time` for many goals, shape (n,); quick, infinite where no way leads from a station line."""
+        if self._roads.line[start] >= 0:
+            return self._routes.away(start)[0][goals]
+        steps = np.abs(self._roads.points[goals] - self._roads.points[start])
+        return (steps[:, 0] + steps[:, 1]) / self._roads.max_speed
 
     def times_from(self, start: int) -> Floats:
         """How long drives from a place take to every lane and spot (s); read only, kept for station lines."""
@@ -343,12 +355,14 @@ class Traffic:
         )  # fmt: skip
         return label, max(ready + float(desk.rest[stand.waypoint]), goal_free)
 
-    def _on_any_way(self, bot: int, goal: int, ready: float, blocked: Mask, depart_by: float, worst: float) -> int:
+    def _on_any_way(
+        self, bot: int, goal: int, ready: float, blocked: Mask, depart_by: float, worst: float, hurried: bool
+    ) -> int:
         stand = self._stands[bot]
         times = self._routes.to(goal)[0]
         if times[stand.waypoint] == math.inf:
             return -1
-        most = _LABELS_FOR_ANY if worst == math.inf else _LABELS_FOR_BETTER
+        most = _LABELS_FOR_ANY if worst == math.inf and not hurried else _LABELS_FOR_BETTER
         return search(
             self._roads, self._table, self._desk, bot, stand.waypoint, goal, ready, stand.heading, times, False,
             self.deep, blocked, depart_by, worst, most,
@@ -382,7 +396,9 @@ class Traffic:
         self._legs[leg.bot] = [*legs, (leg, self._stands[leg.bot])]
         self._stands[leg.bot] = _Stand(leg.waypoints[-1], leg.points[-1], leg.arrive, heading)
 
-    def _rejoin(self, bot: int, goal: int, ready: float, loaded: bool, depart_by: float, blocked: Mask) -> Leg | None:
+    def _rejoin(
+        self, bot: int, goal: int, ready: float, loaded: bool, depart_by: float, blocked: Mask, hurried: bool
+    ) -> Leg | None:
         """A leg from beside the graph: straight to a waypoint that nobody else will pass, and on from there."""
         stand, roads = self._stands[bot], self._roads
         for waypoint in self._nearby.ways_back(stand.point, loaded, blocked, goal):
@@ -401,7 +417,7 @@ class Traffic:
                 self._hold(w, stand.since, arrive, bot)
             self._stands[bot] = _Stand(waypoint, point, arrive, heading)
             self._stay(bot, self._stands[bot])
-            ahead = self.plan(bot, goal, arrive, loaded=loaded, blocked_spots=blocked)
+            ahead = self.plan(bot, goal, arrive, loaded=loaded, blocked_spots=blocked, hurried=hurried)
             if ahead is not None:
                 first = () if goal == waypoint else ahead.waypoints[int(ahead.depart <= arrive) :]
                 stamps = () if goal == waypoint else ahead.stamps[int(ahead.depart <= arrive) :]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from soup_managers.traffic.heap import drop_first, push
-from soup_managers.traffic.kernel import kernel
 from soup_managers.traffic.roads import ENTRY, FORWARD, LANE, SPOT
 from soup_managers.traffic.runs import turn_time
+from soup_msgs_py.kernel import kernel, maker
 
 
 @kernel
@@ -44,7 +44,7 @@ def stop_time(roads, edge, following):
     return V / A + turn_time(roads.heading[edge], roads.heading[following], turn_rate)
 
 
-@kernel
+@maker
 def tree_to(roads, goal, deep, blocked):
     """Quickest ways from everywhere to a goal.
 
@@ -77,7 +77,7 @@ def tree_to(roads, goal, deep, blocked):
     return time, first
 
 
-@kernel
+@maker
 def tree_from(roads, start, deep, blocked):
     """Quickest ways from a place to all lanes and storage spots.
 
