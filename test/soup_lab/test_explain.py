@@ -19,7 +19,8 @@ def explained(tmp_path: Path, policies: str) -> list[dict]:
 
 def test_each_decision_of_the_best_policies_is_told_with_its_alternatives(tmp_path):
     entries = explained(tmp_path, "best.yaml")
-    assert {entry["decision"] for entry in entries} == {"words", "letters", "buckets", "bots", "onward", "storage"}
+    expected = {"words", "letters", "bundles", "buckets", "bots", "onward", "storage"}
+    assert {entry["decision"] for entry in entries} == expected
     times = [entry["time"] for entry in entries]
     assert times == sorted(times)
     assert all(0.0 <= time <= 200.0 for time in times)
