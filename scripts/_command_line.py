@@ -6,4 +6,4 @@ import _environment
 
 CONFIG = _environment.ROOT / "config"
 SCENARIO = CONFIG / "scenarios" / "demo.yaml"
-POLICIES = CONFIG / "policies" / "minimal.yaml"
+POLICIES = CONFIG / "policies" / "best.yaml"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 import socket
 import subprocess
 from collections.abc import Iterator
@@ -37,7 +38,9 @@ def reader(domain: str) -> Iterator[Parts]:
         assert parts.all_gone(), f"processes {parts.alive()} outlive their test"
     finally:
         parts.close()
-        (_environment.ROOT / "summary.json").unlink(missing_ok=True)
+        for written in ("summary.json", "choices.jsonl"):
+            (_environment.ROOT / written).unlink(missing_ok=True)
+        shutil.rmtree(_environment.ROOT / "results/small", ignore_errors=True)
 
 
 def typed(reader: Parts, line: str, *more: str) -> subprocess.Popen[str]:

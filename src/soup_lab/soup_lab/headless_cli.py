@@ -27,7 +27,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = args.Parser("Run a warehouse in one process, as fast as the machine can.")
     args.add_scenario(parser, ROOT / "config/scenarios/demo.yaml")
-    args.add_policies(parser, ROOT / "config/policies/minimal.yaml", ROLES)
+    args.add_policies(parser, ROOT / "config/policies/best.yaml", ROLES)
     args.add_run(parser)
     args.add_explain(parser)
     parser.add_argument("--replications", type=args.replications, default=1, metavar="N", help="runs with other seeds")

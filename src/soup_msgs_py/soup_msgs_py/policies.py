@@ -68,11 +68,25 @@ def load_policies(path: str | Path | None, overrides: Mapping[str, str | None] |
 
 
 def anchor(choice: PolicyChoice, base: Path) -> PolicyChoice:
-    """Make the file of a `file.py:Class`, relative to the folder `base`, absolute, so that every process finds it."""
-    place, colon, name = choice.name.rpartition(":")
-    if not colon or not place.endswith(".py"):
-        return choice
-    return choice.model_copy(update={"name": f"{(base / place).resolve()}:{name}"})
+    """Make each `file.py:Class`, relative to the folder `base`, absolute, so that every process finds it.
+
+    Options that name policies themselves, alone or as a mapping with `name`, are treated alike.
+    """
+    options = {key: _anchor_option(value, base) for key, value in choice.options.items()}
+    return choice.model_copy(update={"name": _anchor_name(choice.name, base), "options": options})
+
+
+def _anchor_name(text: str, base: Path) -> str:
+    place, colon, name = text.rpartition(":")
+    return f"{(base / place).resolve()}:{name}" if colon and place.endswith(".py") else text
+
+
+def _anchor_option(value: Any, base: Path) -> Any:
+    if isinstance(value, str):
+        return _anchor_name(value, base)
+    if isinstance(value, dict) and isinstance(value.get("name"), str):
+        return {**value, "name": _anchor_name(value["name"], base)}
+    return value
 
 
 def load_policy(choice: PolicyChoice, role: str, known: Mapping[str, type], base_class: type) -> Any:
@@ -120,6 +134,8 @@ def policy_maker(choice: PolicyChoice, source: str, known: Mapping[str, type], b
     def make() -> Any:
         try:
             return policy_class(**choice.options)
+        except InputError:  # of a policy that an option names
+            raise
         except (TypeError, ValueError) as error:
             allowed = "the options of its constructor"
             raise InputError(source, f"{choice.name}.options", str(error), allowed) from error
