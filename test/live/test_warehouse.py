@@ -44,7 +44,7 @@ def test_one_command_runs_sixteen_nodes_that_assemble_words(parts: Parts):
     assert summary["sim_seconds"] == 250.0
     assert summary["words_completed"] > 0
     assert summary["violations"] == 0
-    assert summary["policies"] == {"word": "minimal", "letter": "minimal", "fleet": "minimal", "bot": "evade"}
+    assert summary["policies"] == {"word": "served", "letter": "ahead", "fleet": "coordinated", "bot": "straight"}
     log = [json.loads(line) for line in (parts.folder / "events.jsonl").read_text().splitlines()]
     assert [event["sequence"] for event in log] == list(range(1, len(log) + 1))
     assert sum(event["type"] == "word_completed" for event in log) == summary["words_completed"]

@@ -256,6 +256,9 @@ class CoordinatedFleet(Manager):
     def _handle_bots(self, bots: Bots, now: float) -> list[Message]:
         if self.view.ready:
             self.view.observe(bots)
+            for bot, robot in self._watch.lost.items():
+                if bots.vx[bot] != 0.0 or bots.vy[bot] != 0.0:
+                    robot.failed_at = max(robot.failed_at, np.nextafter(bots.time, np.inf))  # to be seen again, at rest
             if self._watch.unplaced:
                 for robot in self._watch.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
                     self._stands_dead(robot, now)
@@ -339,9 +342,7 @@ class CoordinatedFleet(Manager):
     def _overdue(self, robot: Robot, now: float) -> None:
         """A bot has not confirmed its drive, or is idle though it has not told how what it did ended."""
         began = self._watch.ended(robot)
-        if began:
-            robot.arrives = now
-        else:
+        if not began:
             self._said.append(CancelDrive(robot.number, robot.order))
         self._failed(robot, Code.STOPPED, f"bot {robot.number} does not answer", began, now)
 
