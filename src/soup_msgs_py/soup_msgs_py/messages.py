@@ -6,12 +6,11 @@ nothing in a message is -1. Tile kinds are numbered as in `tiles`, stations as i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from soup_msgs_py.codes import Code, EventType, Phase
+from soup_msgs_py.message import message, message_of_arrays
 
 Point = tuple[float, float]
 DELIVER = "deliver"
@@ -23,7 +22,7 @@ Ints = NDArray[np.int32]
 # ---- what a bot asks of the world -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class SetVelocity:
     """Make (vx, vy) the bot's target velocity (equations 1 to 5) until another motion command comes.
 
@@ -36,7 +35,7 @@ class SetVelocity:
     turn_radps: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@message_of_arrays
 class SetVelocities:
     """`SetVelocity` for many bots at once; arrays of one shape (n,)."""
 
@@ -45,7 +44,7 @@ class SetVelocities:
     vy: Floats
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class FollowPath:
     """Drive through `points`, stopping where the direction changes and at the last one (equation 6).
 
@@ -61,7 +60,7 @@ class FollowPath:
     stamps: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Grab:
     """Lift the bucket (-1: the one that is here)."""
 
@@ -70,7 +69,7 @@ class Grab:
     bucket: int = -1
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Release:
     """Set the carried bucket down on the storage spot that is here."""
 
@@ -78,7 +77,7 @@ class Release:
     request: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class TileMove:
     """One letter tile to move between a carried bucket and a station: its kind, and the word or bundle (-1: any)."""
 
@@ -86,7 +85,7 @@ class TileMove:
     job: int = -1
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Transfer:
     """Move letter tiles between the carried bucket and the station (-1: the one that is here), one after another."""
 
@@ -96,7 +95,7 @@ class Transfer:
     moves: tuple[TileMove, ...] = (TileMove(),)
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class BotReply:
     """How a bot's request ended, when, and where the bot was."""
 
@@ -117,7 +116,7 @@ class BotReply:
 # ---- what managers ask of the world ---------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class AssignWord:
     """Open a waiting word on a word station."""
 
@@ -125,7 +124,7 @@ class AssignWord:
     station: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class AssignBundle:
     """Stage a bundle on a letter station: one that has arrived (`bundle`), or a new one of a kind (`tile`)."""
 
@@ -134,7 +133,7 @@ class AssignBundle:
     tile: int = -1
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class SetStorageSpot:
     """Turn a waypoint into a storage spot, or a free storage spot into a plain waypoint."""
 
@@ -142,7 +141,7 @@ class SetStorageSpot:
     storage: bool
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Reply:
     """The world's answer to a manager: `number` is the bundle that was staged, if one was."""
 
@@ -159,7 +158,7 @@ class Reply:
 # ---- what the world tells -------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Event:
     """One thing that happened. `sequence` counts up by one an event, without gaps."""
 
@@ -181,7 +180,7 @@ class Event:
     waypoint: int = -1
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Word:
     """A word on order. `filled` says which of its letters are in place; it is empty while the word waits."""
 
@@ -198,7 +197,7 @@ class Word:
         return tuple(tile for tile, there in zip(self.tiles, self.filled, strict=True) if not there)
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Bundle:
     """A bundle of `count` like letter tiles."""
 
@@ -207,7 +206,7 @@ class Bundle:
     count: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class WordStationState:
     """A word station, the bot that it serves (-1: none) and its open words."""
 
@@ -218,7 +217,7 @@ class WordStationState:
     open_words: tuple[Word, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class LetterStationState:
     """A letter station, the bot that it serves (-1: none) and its staged bundles."""
 
@@ -229,7 +228,7 @@ class LetterStationState:
     staged_bundles: tuple[Bundle, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@message_of_arrays
 class Bots:
     """Bodies of all bots at one instant; element i belongs to bot i, shape (bots,)."""
 
@@ -243,7 +242,7 @@ class Bots:
     state: NDArray[np.uint8]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@message_of_arrays
 class Buckets:
     """All buckets at one instant; element i belongs to bucket i, shape (buckets,)."""
 
@@ -254,7 +253,7 @@ class Buckets:
     tiles: NDArray[np.uint16]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@message_of_arrays
 class Stations:
     """State of all stations at one instant."""
 
@@ -263,7 +262,7 @@ class Stations:
     letter_stations: tuple[LetterStationState, ...]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@message_of_arrays
 class Snapshot:
     """Everything that a newcomer needs, true right after event `sequence`.
 
@@ -288,7 +287,7 @@ class Snapshot:
 # ---- what the fleet asks of a bot -----------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Visit:
     """One visit to a station during a trip; `route` are the corners on the way, the last one the station itself."""
 
@@ -297,7 +296,7 @@ class Visit:
     route: tuple[Point, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Trip:
     """Fetch a bucket, visit stations, store it. Where the bot carries the bucket already, fetching is skipped.
 
@@ -311,7 +310,7 @@ class Trip:
     store_route: tuple[Point, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class TripGoal:
     """Ask a bot to carry a bucket through a trip."""
 
@@ -319,7 +318,7 @@ class TripGoal:
     trip: Trip
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class TripFeedback:
     """How far a trip has come, or what it waits for."""
 
@@ -330,7 +329,7 @@ class TripFeedback:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class TripResult:
     """How a trip ended."""
 
@@ -340,7 +339,7 @@ class TripResult:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class CancelTrip:
     """Ask a bot to end its trip at the next safe point."""
 
@@ -348,7 +347,7 @@ class CancelTrip:
     trip: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class DriveGoal:
     """Ask a bot to drive through points and stop at the last; `stamps` as in `FollowPath`."""
 
@@ -358,7 +357,7 @@ class DriveGoal:
     stamps: tuple[float, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class DriveResult:
     """How a drive ended."""
 
@@ -368,7 +367,7 @@ class DriveResult:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class CancelDrive:
     """Ask a bot to stop driving."""
 
@@ -376,7 +375,7 @@ class CancelDrive:
     drive: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class BotStatus:
     """What a bot is doing; the newest one of each bot is kept for newcomers."""
 
@@ -392,7 +391,7 @@ class BotStatus:
 # ---- what the word and letter managers ask of the fleet ---------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class DeliverGoal:
     """Bring the letters that an open word lacks to its station.
 
@@ -405,7 +404,7 @@ class DeliverGoal:
     tiles: tuple[int, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class StoreGoal:
     """Bring buckets to a letter station until a staged bundle is stored."""
 
@@ -416,7 +415,7 @@ class StoreGoal:
     count: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class TaskFeedback:
     """How far a task has come: the tiles still to be moved, and why it waits, if it does."""
 
@@ -426,7 +425,7 @@ class TaskFeedback:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class TaskResult:
     """How a task ended."""
 
@@ -436,7 +435,7 @@ class TaskResult:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class CancelTask:
     """Take a task back."""
 
@@ -444,7 +443,7 @@ class CancelTask:
     task: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class TaskState:
     """One line of the fleet's list of tasks. `kind` is `deliver` or `store`."""
 
@@ -457,7 +456,7 @@ class TaskState:
     message: str
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Tasks:
     """All tasks of the fleet."""
 
@@ -465,7 +464,7 @@ class Tasks:
     tasks: tuple[TaskState, ...]
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Bound:
     """Which buckets the fleet has bound for which stations now, in the order of their binding; -1 for no bucket."""
 
@@ -477,7 +476,7 @@ class Bound:
 # ---- pace ---------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Beat:
     """The world has spoken, and time stays at this instant until every part that thinks has heard it.
 
@@ -490,7 +489,7 @@ class Beat:
     number: int
 
 
-@dataclass(frozen=True, slots=True)
+@message
 class Heard:
     """A part has heard the world up to a beat, and has said all that it wants in return.
 
