@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
 import signal
@@ -17,6 +18,7 @@ from soup_lab.compare_identity import code_digest, run_digest
 from soup_lab.runs import RunPlan, Summary, run_once
 from soup_msgs_py.errors import InputError, RunError
 
+PR_SET_PDEATHSIG = 1
 LOOK_FOR_STARTER_S = 1.0
 CONNECT_S = 10.0  # how long a dask scheduler may take to answer
 
@@ -158,10 +160,12 @@ def _follow_the_starter() -> None:
     starter = multiprocessing.parent_process()
     if starter is None:
         return
+    starter_pid, pause = starter.pid, threading.Event()
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
     def end() -> None:
-        while os.getppid() == starter.pid:  # the pipe to the starter alone may stay open in a brother
-            starter.join(LOOK_FOR_STARTER_S)
+        while os.getppid() == starter_pid:  # it may have gone before the line above
+            pause.wait(LOOK_FOR_STARTER_S)
         os._exit(1)
 
     threading.Thread(target=end, daemon=True).start()
