@@ -83,7 +83,12 @@ def run_local(todo: list[Job], processes: int | None = None) -> Generator[Outcom
     with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow_the_starter) as pool:
         code = code_digest()
         try:
-            futures = {pool.submit(attempt, job.case.plan, job.seed, code): job for job in todo}
+            # Ctrl-C in the middle of a start would leave a process that nobody knows
+            mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+            try:
+                futures = {pool.submit(attempt, job.case.plan, job.seed, code): job for job in todo}
+            finally:
+                signal.pthread_sigmask(signal.SIG_SETMASK, mask)
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException as error:
