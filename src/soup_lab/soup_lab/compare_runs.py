@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import ctypes
 import multiprocessing
 import os
 import signal
-import threading
 import traceback
 from collections.abc import Generator
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -15,11 +13,10 @@ from dataclasses import dataclass
 
 from soup_lab.compare_experiment import Case, Experiment
 from soup_lab.compare_identity import code_digest, run_digest
+from soup_lab.part import end_with
 from soup_lab.runs import RunPlan, Summary, run_once
 from soup_msgs_py.errors import InputError, RunError
 
-PR_SET_PDEATHSIG = 1
-LOOK_FOR_STARTER_S = 1.0
 CONNECT_S = 10.0  # how long a dask scheduler may take to answer
 
 
@@ -163,14 +160,5 @@ def _follow_the_starter() -> None:
     code_digest()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     starter = multiprocessing.parent_process()
-    if starter is None:
-        return
-    starter_pid, pause = starter.pid, threading.Event()
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-
-    def end() -> None:
-        while os.getppid() == starter_pid:  # it may have gone before the line above
-            pause.wait(LOOK_FOR_STARTER_S)
-        os._exit(1)
-
-    threading.Thread(target=end, daemon=True).start()
+    if starter is not None and starter.pid is not None:
+        end_with(starter.pid, signal.SIGKILL)

@@ -7,6 +7,7 @@ from typing import Any
 from numba import njit
 
 _NO_COUNTS: dict[str, Any] = {"_nrt": False}  # an option that numba's types do not know
+
 # They neither raise nor make arrays. So nobody has to count who uses the arrays that they are given, which costs
 # up to ten times more than what they do.
 kernel = njit(cache=True, error_model="numpy", **_NO_COUNTS)

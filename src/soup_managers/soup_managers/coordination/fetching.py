@@ -9,7 +9,7 @@ import numpy as np
 from soup_managers.coordination.digging import Digging
 from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
-from soup_managers.coordination.robots import Activity, Purpose, Robot
+from soup_managers.coordination.robots import Purpose, Robot
 from soup_managers.coordination.situation import Situation
 from soup_managers.explain import Explain
 from soup_managers.policies.coordinated import Coordinated
@@ -60,8 +60,7 @@ class Fetching:
     def choose(self, now: float) -> list[Fetch]:
         """The buckets to fetch now, at most one for each station that is short, as far as idle bots go."""
         situation = self._situation
-        stands, none = Activity.STANDS, Purpose.NONE
-        idle = [r.number for r in situation.robots if r.activity is stands and r.purpose is none and r.bucket < 0]
+        idle = situation.idle_bots()
         if not idle:
             return []
         short = [(situation.ahead_s(station), station) for station in situation.short_word_stations()]
@@ -74,7 +73,7 @@ class Fetching:
 
     def dig_out(self, spot: int, now: float) -> Fetch | None:
         """Move the first bucket that is in the way out of a spot; None where that cannot be, or is under way."""
-        idle = [robot.number for robot in self._situation.robots if robot.idle]
+        idle = self._situation.idle_bots()
         bucket = self._outermost(spot)
         if bucket < 0 or not self._is_reachable(bucket, idle):
             return None

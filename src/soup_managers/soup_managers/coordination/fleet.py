@@ -762,7 +762,7 @@ class CoordinatedFleet(Manager):
         if self.situation.closed[job.station]:
             return "a bot that does not answer stands in the line of its station"
         if not self.situation.bound[job.station]:
-            if not any(robot.idle for robot in self.situation.robots):
+            if not self.situation.idle_bots():
                 return "all bots are busy"
             return "no free bucket serves it"
         return ""

@@ -40,7 +40,6 @@ class Robot:
         target: The bucket that it is to fetch, -1 for none.
         station: The station that it is bound for, -1 for none.
         slot: Its place in that station's line: 0 is the dock; -1 for none yet.
-        spot: The storage spot that is kept for it, -1 for none.
         order: The number of the drive or trip that it was asked for last.
         arrives: When its drive ends (s).
         asked_at: When it was asked for that (s).
@@ -58,7 +57,6 @@ class Robot:
     target: int = -1
     station: int = -1
     slot: int = -1
-    spot: int = -1
     order: int = -1
     arrives: float = 0.0
     asked_at: float = 0.0
@@ -71,8 +69,3 @@ class Robot:
     def load(self) -> int:
         """The bucket that it carries, or is to fetch."""
         return self.bucket if self.bucket >= 0 else self.target
-
-    @property
-    def idle(self) -> bool:
-        """Whether it stands with nothing to do and nothing on it."""
-        return self.activity is Activity.STANDS and self.purpose is Purpose.NONE and self.bucket < 0

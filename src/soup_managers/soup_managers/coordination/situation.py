@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_managers.coordination.jobs import Jobs
-from soup_managers.coordination.robots import Robot
+from soup_managers.coordination.robots import Activity, Purpose, Robot
 from soup_managers.coordination.stock import Stock
 from soup_managers.view import WarehouseView
 from soup_msgs_py.layout import Floats, Ints, Layout
@@ -156,6 +156,11 @@ class Situation:
     def buckets_travel_s(self, station: int) -> Floats:
         """The way of each resting bucket to a station (s), shape (buckets,)."""
         return self.traffic.times_to(self.docks[station])[np.maximum(self.spot_of, 0)]
+
+    def idle_bots(self) -> list[int]:
+        """The bots that stand with nothing to do and nothing on them, ascending."""
+        stands, none = Activity.STANDS, Purpose.NONE  # looked up once: all bots are asked every second
+        return [r.number for r in self.robots if r.activity is stands and r.purpose is none and r.bucket < 0]
 
     # ---- demand --------------------------------------------------------------------------------------------
 
