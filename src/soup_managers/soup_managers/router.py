@@ -9,7 +9,7 @@ from collections.abc import Set
 import numpy as np
 from scipy.spatial import KDTree
 
-from soup_managers.trees import Turns, count_turns, descend, grow
+from soup_managers.trees import count_turns, descend, grow
 from soup_msgs_py.layout import Floats, Ints, Layout
 from soup_msgs_py.messages import Point
 
@@ -149,6 +149,9 @@ class _Graph:
         self.costs = length * layout.edge_weights[order]
         safe = np.where(length > 0, length, 1.0)
         self.dx, self.dy = step[:, 0] / safe, step[:, 1] / safe
+        # what growing a tree needs beside its result
+        nodes, room = len(layout.waypoints), len(heads) + 1
+        self.desk = np.empty(nodes, np.int32), np.empty(room), np.empty(room, np.int32)
 
 
 class _Tree:
@@ -156,8 +159,12 @@ class _Tree:
 
     def __init__(self, root: int, growing: _Graph, ways: _Graph, through: Floats) -> None:
         self.ways = ways
-        self.distance = grow(root, growing.starts, growing.ends, growing.costs, through)
-        self.turns: Turns = count_turns(
-            root, ways.starts, ways.ends, ways.costs, ways.dx, ways.dy, through, self.distance
-        )
+        self.distance = np.empty(len(through))
+        self.turns = np.empty(len(ways.ends), np.uint8)
+        order, keys, nodes = growing.desk
+        reached = grow(root, growing.starts, growing.ends, growing.costs, through, self.distance, order, keys, nodes)
+        count_turns(
+            root, ways.starts, ways.ends, ways.costs, ways.dx, ways.dy, through,
+            self.distance, order, reached, self.turns,
+        )  # fmt: skip
         self.distance.flags.writeable = False

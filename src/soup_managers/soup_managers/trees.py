@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-from soup_msgs_py.layout import Floats, Ints
+from soup_managers.heap import drop_first, push
+from soup_msgs_py.kernel import kernel
 
 _TIE_M = 1e-6  # ways that differ by less are equally long: sums of edges differ in their last digits
 _STRAIGHT = 1.0 - 1e-9
 NO_WAY = 255
 
-Turns = NDArray[np.uint8]
 
-
-@njit(cache=True)
-def grow(root: int, starts: Ints, ends: Ints, costs: Floats, through: Floats) -> Floats:
+@kernel
+def grow(root, starts, ends, costs, through, distance, order, keys, nodes):
     """Cheapest cost from `root` to every waypoint (Dijkstra with a binary heap).
 
     Args:
@@ -25,22 +22,25 @@ def grow(root: int, starts: Ints, ends: Ints, costs: Floats, through: Floats) ->
         ends: Where each edge leads, shape (e,).
         costs: Cost of each edge, shape (e,).
         through: Extra cost of driving on from a waypoint, the root left out; infinite: ways only end there.
+        distance: Takes the costs, shape (n,), infinite where no way leads.
+        order: Takes the waypoints that ways lead to, nearest first, shape (n,).
+        keys: Room for the heap, shape (e + 1,).
+        nodes: Room for the heap, shape (e + 1,).
 
     Returns:
-        Shape (n,), infinite where no way leads.
+        How many waypoints ways lead to.
     """
-    distance = np.full(len(starts) - 1, np.inf)
-    distance[root] = 0.0
-    keys = np.empty(len(ends) + 1)
-    nodes = np.empty(len(ends) + 1, np.int32)
-    keys[0], nodes[0] = 0.0, root
-    size = 1
+    distance[:] = np.inf
+    distance[root], keys[0], nodes[0] = 0.0, 0.0, root
+    size, reached = 1, 0
     while size > 0:
         key, node = keys[0], nodes[0]
+        drop_first(keys, nodes, size)
         size -= 1
-        _sift_down(keys, nodes, size, keys[size], nodes[size])
         if key > distance[node]:
             continue
+        order[reached] = node
+        reached += 1
         if node != root:
             key += through[node]
             if key == np.inf:
@@ -50,49 +50,13 @@ def grow(root: int, starts: Ints, ends: Ints, costs: Floats, through: Floats) ->
             cost = key + costs[edge]
             if cost < distance[end]:
                 distance[end] = cost
-                _sift_up(keys, nodes, size, cost, end)
+                push(keys, nodes, size, cost, end)
                 size += 1
-    return distance
+    return reached
 
 
-@njit(cache=True)
-def _sift_up(keys: Floats, nodes: Ints, hole: int, key: float, node: int) -> None:
-    while hole > 0:
-        parent = (hole - 1) >> 1
-        if keys[parent] <= key:
-            break
-        keys[hole], nodes[hole] = keys[parent], nodes[parent]
-        hole = parent
-    keys[hole], nodes[hole] = key, node
-
-
-@njit(cache=True)
-def _sift_down(keys: Floats, nodes: Ints, size: int, key: float, node: int) -> None:
-    hole = 0
-    while True:
-        child = 2 * hole + 1
-        if child >= size:
-            break
-        if child + 1 < size and keys[child + 1] < keys[child]:
-            child += 1
-        if keys[child] >= key:
-            break
-        keys[hole], nodes[hole] = keys[child], nodes[child]
-        hole = child
-    keys[hole], nodes[hole] = key, node
-
-
-@njit(cache=True)
-def count_turns(
-    root: int,
-    starts: Ints,
-    ends: Ints,
-    costs: Floats,
-    dx: Floats,
-    dy: Floats,
-    through: Floats,
-    distance: Floats,
-) -> Turns:
+@kernel
+def count_turns(root, starts, ends, costs, dx, dy, through, distance, order, reached, turns):
     """For each edge on a cheapest way down a tree, the fewest turns that are left after taking it.
 
     Args:
@@ -104,32 +68,30 @@ def count_turns(
         dy: Direction of each edge, shape (e,).
         through: As in `grow`.
         distance: The tree, shape (n,).
-
-    Returns:
-        Shape (e,); `NO_WAY` for edges that are on no cheapest way.
+        order: As in `grow`.
+        reached: How many waypoints are in it.
+        turns: Takes the turns, shape (e,); `NO_WAY` for edges that are on no cheapest way.
     """
-    turns = np.full(len(ends), NO_WAY, np.uint8)
-    for node in np.argsort(distance):
-        if distance[node] == np.inf:
-            break
+    turns[:] = NO_WAY
+    for place in range(reached):
+        node = order[place]
         for edge in range(starts[node], starts[node + 1]):
             end = ends[edge]
             if end == root:
                 if costs[edge] <= distance[node] + _TIE_M:
                     turns[edge] = 0
             elif costs[edge] + distance[end] + through[end] <= distance[node] + _TIE_M:
-                best = NO_WAY
+                # as many turns as do not fit are as good as one less
+                best = NO_WAY - 1
                 for following in range(starts[end], starts[end + 1]):
-                    if turns[following] != NO_WAY:
+                    if turns[following] < best:
                         straight = dx[edge] * dx[following] + dy[edge] * dy[following] > _STRAIGHT
                         best = min(best, turns[following] + (0 if straight else 1))
-                # as many turns as do not fit are as good as one less
-                turns[edge] = min(best, NO_WAY - 1)
-    return turns
+                turns[edge] = best
 
 
-@njit(cache=True)
-def descend(start: int, goal: int, starts: Ints, ends: Ints, dx: Floats, dy: Floats, turns: Turns, found: Ints) -> int:
+@kernel
+def descend(start, goal, starts, ends, dx, dy, turns, found):
     """Walk down a tree from `start` to its root `goal`, with as few turns as there can be.
 
     Args:

@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from soup_msgs_py.kernel import kernel, maker
-from soup_msgs_py.messages import Floats
-
-Cells = NDArray[np.int32]
+from soup_msgs_py.kernel import kernel
 
 
 @kernel
@@ -20,30 +14,33 @@ def cell_of(value: float, size: float, count: int) -> int:
     return cell if cell < count else count - 1
 
 
-@maker
-def fill_cells(
-    x: Floats, y: Floats, wanted: NDArray[np.bool_], size: float, columns: int, rows: int
-) -> tuple[Cells, Cells]:
+@kernel
+def fill_cells(x, y, wanted, size, columns, rows, start, member, place):
     """Sort discs into square cells.
 
-    Returns:
-        `start`, shape (columns * rows + 1,), and `member`: the discs of cell c are
-        `member[start[c]:start[c + 1]]`, ascending.
+    Args:
+        x: Where the discs are, shape (n,).
+        y: Where the discs are, shape (n,).
+        wanted: Which of them to sort, shape (n,).
+        size: Side of a cell.
+        columns: Number of cells along x.
+        rows: Number of cells along y.
+        start: Shape (columns * rows + 2,); takes where the discs of each cell begin in `member`. Those of cell c
+            are `member[start[c] : start[c + 1]]`, ascending.
+        member: Takes the discs, shape (n,).
+        place: Room for what is needed on the way, shape (n,).
     """
-    n = len(x)
-    start = np.zeros(columns * rows + 2, np.int32)
-    place = np.empty(n, np.int32)
-    for i in range(n):
+    cells = columns * rows
+    start[:] = 0
+    for i in range(len(x)):
         if wanted[i]:
             c = cell_of(y[i], size, rows) * columns + cell_of(x[i], size, columns)
             place[i] = c
             start[c + 2] += 1
-    for c in range(2, columns * rows + 2):
+    for c in range(2, cells + 2):
         start[c] += start[c - 1]
-    member = np.empty(n, np.int32)
-    for i in range(n):
+    for i in range(len(x)):
         if wanted[i]:
             c = place[i] + 1
             member[start[c]] = i
             start[c] += 1
-    return start[:-1], member

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from soup_bots.steering.base import Limits, Steer, Steering, SteerView, follow_all
-from soup_bots.steering.rows import steer_rows
+from soup_bots.steering.rows import Desk, make_desk, steer_rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,14 +64,16 @@ class Evade(Steering):
         self._options = np.array([look_ahead_s, give_way_s, margin, bucket_margin, patience_s])
         self._memory: _Memory | None = None
         self._limits: np.ndarray | None = None
+        self._desk: Desk | None = None
         self._calls = 0
 
     def steer(self, view: SteerView) -> Steer:
         """Decide for all rows at once, in compiled code."""
         out = follow_all(len(view.bot))
-        if self._memory is None or len(self._memory.evading) != len(view.x):
+        if self._memory is None or self._desk is None or len(self._memory.evading) != len(view.x):
             self._memory = _memory(len(view.x))
             self._limits = _as_array(view.limits)
+            self._desk = make_desk(len(view.x), len(view.bucket_x), view.limits.width_m, view.limits.height_m)
         memory = self._memory
         self._calls += 1
         steer_rows(
@@ -81,7 +83,7 @@ class Evade(Steering):
             self._limits, self._options, self._calls,
             memory.evading, memory.command, memory.travels, memory.decided, memory.planned,
             memory.nearest, memory.since, memory.goal, memory.aside, memory.end, memory.came,
-            out.mode, out.vx, out.vy, out.reason, out.other,
+            out.mode, out.vx, out.vy, out.reason, out.other, self._desk,
         )  # fmt: skip
         return out
 

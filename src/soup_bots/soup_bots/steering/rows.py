@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from soup_bots.steering.base import BOT_ON_GOAL, BUCKET_IN_WAY, BUCKET_ON_GOAL, EVADES, VELOCITY
 from soup_bots.steering.cells import cell_of, fill_cells
@@ -32,7 +34,11 @@ from soup_bots.steering.choice import (
 from soup_bots.steering.geometry import FAR, TURNS, kept_distance
 from soup_bots.steering.waiting import occupier, waiting_point
 from soup_msgs_py.codes import BotState
-from soup_msgs_py.kernel import inlined, maker
+from soup_msgs_py.kernel import inlined, kernel
+from soup_msgs_py.messages import Floats
+
+Ints = NDArray[np.int32]
+Flags = NDArray[np.bool_]
 
 MOST_NEAR = 96  # discs that one bot minds
 CELL_M = 12.0  # m: much smaller or larger cells cost time
@@ -127,16 +133,47 @@ def note_buckets(
     return count
 
 
-@maker
+class Desk(NamedTuple):
+    """Room for what `steer_rows` needs beside its results: discs by cells, and what is around one bot."""
+
+    start: Ints
+    member: Ints
+    place: Ints
+    every_bot: Flags
+    bucket_start: Ints
+    bucket_member: Ints
+    bucket_place: Ints
+    rests: Flags
+    near: Floats
+    who: NDArray[np.int64]
+    horizon: Floats
+    floor: Floats
+
+
+def make_desk(bots: int, buckets: int, width: float, height: float) -> Desk:
+    """Room for so many bots and buckets on a floor of so many metres."""
+    cells = max(1, math.ceil(width / CELL_M)) * max(1, math.ceil(height / CELL_M))
+
+    def ints(count: int) -> Ints:
+        return np.empty(count, np.int32)
+
+    return Desk(
+        ints(cells + 2), ints(bots), ints(bots), np.ones(bots, np.bool_),
+        ints(cells + 2), ints(buckets), ints(buckets), np.empty(buckets, np.bool_),
+        np.empty((MOST_NEAR + 1, COLUMNS)), np.empty(MOST_NEAR + 1, np.int64), np.empty(MOST_NEAR + 1), np.empty(4),
+    )  # fmt: skip
+
+
+@kernel
 def steer_rows(
     bot, goal_x, goal_y, next_x, next_y, end_x, end_y,
     x, y, vx, vy, bucket, state,
     bucket_x, bucket_y, bucket_bot,
     lim, options, calls,
     evading, command, travels, decided, planned, nearest, since, goal, aside, end, came,
-    out_mode, out_vx, out_vy, out_reason, out_other,
+    out_mode, out_vx, out_vy, out_reason, out_other, desk,
 ):  # fmt: skip
-    """Decide for all rows; arguments as in `SteerView`, `Limits` and `Evade`."""
+    """Decide for all rows; arguments as in `SteerView`, `Limits`, `Evade` and `Desk`."""
     radius, bucket_radius, max_v, max_a, sensing, period = lim[0], lim[1], lim[2], lim[3], lim[4], lim[5]
     width, height = lim[6], lim[7]
     look, give_way, margin, bucket_margin, patience = options[0], options[1], options[2], options[3], options[4]
@@ -151,13 +188,10 @@ def steer_rows(
 
     columns = max(1, math.ceil(width / CELL_M))
     lines = max(1, math.ceil(height / CELL_M))
-    start, member = fill_cells(x, y, np.ones(len(x), np.bool_), CELL_M, columns, lines)
-    b_start, b_member = start, member
+    start, member, b_start, b_member = desk.start, desk.member, desk.bucket_start, desk.bucket_member
+    near, who, horizon, floor = desk.near, desk.who, desk.horizon, desk.floor
+    fill_cells(x, y, desk.every_bot, CELL_M, columns, lines, start, member, desk.place)
     buckets_sorted = False
-    near = np.empty((MOST_NEAR + 1, COLUMNS))
-    who = np.empty(MOST_NEAR + 1, np.int64)
-    horizon = np.empty(MOST_NEAR + 1)
-    floor = np.empty(4)
 
     # loaded bots first, then by number: who comes later knows what those before it are about to do
     for q in range(2 * len(bot)):
@@ -178,7 +212,11 @@ def steer_rows(
         count = bots
         if loaded:
             if not buckets_sorted:
-                b_start, b_member = fill_cells(bucket_x, bucket_y, bucket_bot < 0, CELL_M, columns, lines)
+                for b in range(len(bucket_bot)):
+                    desk.rests[b] = bucket_bot[b] < 0
+                fill_cells(
+                    bucket_x, bucket_y, desk.rests, CELL_M, columns, lines, b_start, b_member, desk.bucket_place
+                )
                 buckets_sorted = True
             count = note_buckets(
                 px, py, b_start, b_member, columns, lines, bucket_reach_m + (hold_m if arrives else 0.0),

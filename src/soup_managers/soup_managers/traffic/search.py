@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from soup_managers.heap import drop_first, push
 from soup_managers.traffic.desk import LONGEST_RUN
-from soup_managers.traffic.heap import drop_first, push
 from soup_managers.traffic.roads import AT_END_M
 from soup_managers.traffic.runs import run_time, time_at, turn_time
 from soup_managers.traffic.timetable import SAME_S, gap_after, in_the_way, stands_on

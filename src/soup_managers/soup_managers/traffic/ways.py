@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.traffic.heap import drop_first, push
+from soup_managers.heap import drop_first, push
 from soup_managers.traffic.roads import ENTRY, FORWARD, LANE, SPOT
 from soup_managers.traffic.runs import turn_time
 from soup_msgs_py.kernel import kernel, maker
