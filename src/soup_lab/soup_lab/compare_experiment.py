@@ -89,7 +89,7 @@ def load_experiment(path: Path, replications: int | None = None) -> Experiment:
     """
     keys, groups = read_experiment(path)
     folder = path.resolve().parent
-    scenario, policies = folder / keys.scenario, folder / keys.policies
+    scenario, policies, shared = folder / keys.scenario, folder / keys.policies, keys.set
     warehouses: dict[str, Warehouse] = {}
 
     def case(name: str, group: str, warehouse: Warehouse, chosen: Policies, changed: dict[str, Any]) -> Case:
@@ -98,7 +98,8 @@ def load_experiment(path: Path, replications: int | None = None) -> Experiment:
 
     base_policies = load_policies(policies)
     make_minds(base_policies)
-    base_warehouse = load_warehouse(scenario)
+    with _told(path, "set", shared):
+        base_warehouse = _changed_warehouse(scenario, shared, folder)
     base = case(policies.stem, "", base_warehouse, base_policies, {})
 
     def variant(keys: VariantKeys, group: str) -> Case:
@@ -112,7 +113,8 @@ def load_experiment(path: Path, replications: int | None = None) -> Experiment:
             key = repr(keys.scenario)
             with _told(path, f"{where}.scenario", keys.scenario):
                 if key not in warehouses:
-                    warehouses[key] = _changed_warehouse(scenario, keys.scenario, folder)
+                    change = keys.scenario if isinstance(keys.scenario, str) else {**shared, **keys.scenario}
+                    warehouses[key] = _changed_warehouse(scenario, change, folder)
             warehouse = warehouses[key]
             changed = keys.scenario if isinstance(keys.scenario, dict) else {}
         return case(keys.name, group, warehouse, chosen, changed)

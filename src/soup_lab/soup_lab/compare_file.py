@@ -50,12 +50,20 @@ class ExperimentKeys(Part):
     name: Name
     about: str = ""
     scenario: Annotated[str, Field(min_length=1)]
+    set: dict[str, Any] = Field(default_factory=dict)  # values of the scenario that all variants share
     policies: Annotated[str, Field(min_length=1)]
     warmup_s: NotNegative = 0.0
     duration_s: Positive
     seeds: Annotated[list[Seed], Field(min_length=1)] | None = None
     replications: Annotated[int, Field(ge=1, le=10_000)] | None = None  # the same as seeds 1, 2, 3 ...
     variants: Annotated[list[dict[Any, Any]], Field(min_length=1)]
+
+    @field_validator("set", mode="before")
+    @classmethod
+    def _dotted_keys(cls, value: object) -> object:
+        if not isinstance(value, dict) or not all(isinstance(key, str) and all(key.split(".")) for key in value):
+            raise ValueError(f"{value!r}|dotted keys with values, for instance {{bots: 150}}")
+        return value
 
     @model_validator(mode="after")
     def _fit_together(self) -> ExperimentKeys:

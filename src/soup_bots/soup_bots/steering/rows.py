@@ -214,9 +214,7 @@ def steer_rows(
             if not buckets_sorted:
                 for b in range(len(bucket_bot)):
                     desk.rests[b] = bucket_bot[b] < 0
-                fill_cells(
-                    bucket_x, bucket_y, desk.rests, CELL_M, columns, lines, b_start, b_member, desk.bucket_place
-                )
+                fill_cells(bucket_x, bucket_y, desk.rests, CELL_M, columns, lines, b_start, b_member, desk.bucket_place)
                 buckets_sorted = True
             count = note_buckets(
                 px, py, b_start, b_member, columns, lines, bucket_reach_m + (hold_m if arrives else 0.0),
