@@ -74,3 +74,30 @@ def test_a_drive_that_comes_too_late_is_refused_and_planned_anew():
     assert run.late > 0
     assert run.collisions == 0
     assert sum(event.type is EventType.WORD_COMPLETED for event in run.events if event.time > 300.0) > 5
+
+
+def test_no_bucket_is_set_down_where_a_storage_spot_was_taken_away():
+    run = SlowWires(0.0, 0.0, 8)
+    run.run(60.0)
+    rng = np.random.default_rng(3)
+    spots = run.world.layout.storage_spots.tolist()
+    for spot in rng.permutation(spots).tolist():
+        run._say(run.world, run.world.handle(m.SetStorageSpot(spot, False)))
+        run._carry()
+    removed = {event.waypoint for event in run.events if event.type is EventType.SPOT_REMOVED}
+    assert len(removed) > 3
+    run.run(600.0)
+    places = {tuple(np.round(run.world.layout.waypoints[spot], 3)) for spot in removed}
+    set_down = [event for event in run.events if event.type is EventType.RELEASED and event.time > 90.0]
+    assert run.collisions == 0
+    assert len(set_down) > 10
+    assert not places & {(round(event.x, 3), round(event.y, 3)) for event in set_down}
+    assert sum(event.type is EventType.WORD_COMPLETED for event in run.events if event.time > 300.0) > 20
+    # and one that is made again is used again
+    for spot in removed:
+        run._say(run.world, run.world.handle(m.SetStorageSpot(spot, True)))
+    run._carry()
+    run.run(1200.0)
+    assert places & {
+        (round(e.x, 3), round(e.y, 3)) for e in run.events if e.type is EventType.RELEASED and e.time > 600
+    }

@@ -12,7 +12,6 @@ import numpy as np
 from soup_bots.crew import FOR_BOTS, Crew
 from soup_bots.steering import KNOWN as STEERING
 from soup_bots.steering.base import Steering
-from soup_managers.coordination.fleet import CoordinatedFleet
 from soup_managers.explain import Explain, Sink
 from soup_managers.letter_manager import LetterManager
 from soup_managers.make_fleet import load_fleet, make_fleet
@@ -101,7 +100,7 @@ class Headless:
             now = world.now
             self._say(world, said)
             self._carry()
-            if isinstance(self.fleet, CoordinatedFleet) and self.fleet.wants_places:
+            if self.fleet.wants_places:
                 self._say(self.fleet, self.fleet.handle(world.bots(), now))
             for mind in self._all:
                 if mind.next_wake <= now:

@@ -45,7 +45,13 @@ class FleetManager(Manager):
 
     It owns nothing durable: a new one finds the world in the snapshot, the trips under way in the statuses of
     the bots, and its tasks in the goals that their managers send again.
+
+    Attributes:
+        lead_s: Not used: its bots set off when they are told.
+        wants_places: It does not: where bots stand is in their statuses.
     """
+
+    wants_places = False
 
     def __init__(
         self,
@@ -58,6 +64,7 @@ class FleetManager(Manager):
         explain: Explain | None = None,
     ) -> None:
         super().__init__(view)
+        self.lead_s = 0.0
         self._layout = layout
         self._policy = policy
         self._explain = explain or Explain()

@@ -12,7 +12,6 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.serialization import deserialize_message
 from soup_msgs import action, msg, srv
 
-from soup_managers.coordination.fleet import CoordinatedFleet
 from soup_managers.departures import Departures
 from soup_managers.explain import Explain
 from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
@@ -202,7 +201,7 @@ class FleetManagerNode:
 
     def _on_poses(self, cdr: bytes) -> None:
         self._poses = cdr
-        if isinstance(self._fleet, CoordinatedFleet) and self._fleet.wants_places:
+        if self._fleet is not None and self._fleet.wants_places:
             self._tell_poses()
 
     def _tell_poses(self) -> None:
@@ -210,7 +209,7 @@ class FleetManagerNode:
             self._follower.tell(from_ros(deserialize_message(self._poses, msg.Bots)))
             self._poses = b""
 
-    def _set_lead(self, fleet: CoordinatedFleet) -> None:
+    def _set_lead(self, fleet: Fleet) -> None:
         """Have bots told of drives early enough for the speed at which simulated time goes now."""
         wall = time.monotonic()
         before, self._looked = self._looked, (wall, self._follower.now)
@@ -222,8 +221,7 @@ class FleetManagerNode:
         if fleet is None or not self._follower.in_step:
             return
         self._tell_poses()
-        if isinstance(fleet, CoordinatedFleet):
-            self._set_lead(fleet)
+        self._set_lead(fleet)
         tasks = fleet.tasks()
         if tasks != self._published:
             self._published = tasks

@@ -165,7 +165,7 @@ class CoordinatedFleet(Manager):
     def on_world(self, now: float) -> list[Message]:
         """Make the books about buckets anew from the view, and hear what came before it."""
         self.situation.take_over()
-        self._places.take_over(self.view.bucket_on)
+        self._places.take_over(self.view.bucket_on, self.view.storage_spots)
         for robot in self.situation.robots:
             if robot.load >= 0:
                 self.situation.free_buckets[robot.load] = False
@@ -197,6 +197,8 @@ class CoordinatedFleet(Manager):
             spot = self.view.spot_of[event.bucket]
             situation.spot_of[event.bucket] = spot
             self._places.set_down(spot)
+        elif kind is EventType.SPOT_MADE or kind is EventType.SPOT_REMOVED:
+            self._places.allow(event.waypoint, kind is EventType.SPOT_MADE)
         return []
 
     # ---- messages ------------------------------------------------------------------------------------------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,9 @@ class Places:
     """What stands where.
 
     Attributes:
-        spots: The storage spots, as waypoints.
-        is_spot: Whether each waypoint is one.
+        spots: The layout's storage spots, as waypoints.
+        is_spot: Whether each waypoint is one of them. Ways are planned for these: one that is taken away stays a
+            place that bots with buckets do not pass, and one that is made elsewhere is not used.
         occupied: Whether a bucket rests on each waypoint.
         taken: How many bots stand on each waypoint or are on their way to stand there.
     """
@@ -28,16 +29,23 @@ class Places:
         self.is_spot[self.spots] = True
         self.occupied = np.zeros(waypoints, bool)
         self.taken = np.zeros(waypoints, np.int32)
+        self._may_store = self.is_spot.copy()
         self._near = KDTree(layout.waypoints)
 
     def nearest(self, x: float, y: float) -> int:
         """The waypoint nearest to a place (m)."""
         return int(self._near.query((x, y))[1])
 
-    def take_over(self, bucket_on: Mapping[int, int]) -> None:
-        """Learn anew where buckets rest."""
+    def take_over(self, bucket_on: Mapping[int, int], storage_spots: Set[int]) -> None:
+        """Learn anew where buckets rest, and which spots there are."""
         self.occupied[:] = False
         self.occupied[list(bucket_on)] = True
+        self._may_store[:] = False
+        self._may_store[list(storage_spots)] = True
+
+    def allow(self, waypoint: int, allowed: bool) -> None:
+        """A storage spot was made or taken away."""
+        self._may_store[waypoint] = allowed
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -46,11 +54,12 @@ class Places:
 
     def free_spots(self) -> NDArray[np.int64]:
         """Storage spots with neither a bucket nor a bot, as waypoints."""
-        return self.spots[~self.occupied[self.spots] & (self.taken[self.spots] == 0)]
+        spots = self.spots
+        return spots[self._may_store[spots] & ~self.occupied[spots] & (self.taken[spots] == 0)]
 
     def is_free(self, spot: int) -> bool:
-        """Whether neither a bucket nor a bot is on a storage spot."""
-        return not self.occupied[spot] and self.taken[spot] == 0
+        """Whether a bucket may be set down on a storage spot, and neither a bucket nor a bot is there."""
+        return bool(self._may_store[spot]) and not self.occupied[spot] and self.taken[spot] == 0
 
     def take(self, waypoint: int) -> None:
         """A bot stands on a waypoint, or will."""
