@@ -25,8 +25,9 @@ from soup_managers.planners.spacetime import FOR_EVER, Calendar
 from soup_managers.planners.world import World
 from soup_msgs_py.errors import InputError
 
-ROUNDS = 30_000  # changes of one annealing, times
-MOST_ROUNDS = 10  # after some time without a better plan
+ROUNDS = 500_000  # changes of one annealing
+HEATS = (30.0, 300.0, 3000.0)  # one after the other, as long as no plan gets shorter
+LATE = 0.5  # of the lower bound: a robot that works for longer is late, the more the worse
 LONGEST = 12  # calendar: times the lower bound
 
 
@@ -61,6 +62,7 @@ class _Search:
             np.array([[table[robot] for table in self._to_box] for robot in world.robots], np.int32),
             np.array([[table[box] for table in self._to_shelf] for box in world.boxes], np.int32),
             np.array([[table[shelf] for table in self._to_box] for shelf in world.shelves], np.int32),
+            np.array([[table[box] for table in self._to_box] for box in world.boxes], np.int32),
         )
         self.bound = float(least_makespan(self._distances)) if world.boxes else 0.0
         if len(world.robots) ** len(world.boxes) <= MOST_OWNERS:
@@ -78,22 +80,19 @@ class _Search:
         boxes, robots = len(world.boxes), len(world.robots)
         start = first_sequences(self._distances)
         delays = np.zeros(robots)
-        rounds, since = 1, 0
+        since = 0
         kept: tuple[Ints, Ints, Ints] = start
         shortest = math.inf
+        d = self._distances
         while True:
             order, count, shelf = (table.copy() for table in kept)
-            taken = np.full(len(world.shelves), -1, np.int32)
-            taken[shelf] = np.arange(boxes)
-            # the first plan is made from the first sequences: it has to be there at once
-            target = (
-                self.bound if shortest == math.inf else min(shortest - 1, self.bound + 0.6 * (shortest - self.bound))
-            )
-            if self._tried:
-                d = self._distances
+            if self._tried:  # the first plan has to be there at once
+                taken = np.full(len(world.shelves), -1, np.int32)
+                taken[shelf] = np.arange(boxes)
                 anneal(
-                    order, count, shelf, taken, np.empty(robots), np.empty(boxes, np.int64), delays, d.first, d.carry, d.back, target, rounds * ROUNDS,
-                    4.0 if since % 4 else 40.0, self._task.seed + self._tried,
+                    order, count, shelf, taken, np.empty(robots), np.empty(boxes, np.int64), delays, d.first, d.carry,
+                    d.back, d.near_boxes, d.near_shelves, LATE * self.bound, ROUNDS, HEATS[since % len(HEATS)],
+                    self._task.seed + self._tried,
                 )  # fmt: skip
             found = self._play(order, count, shelf, shortest)
             self._tried += 1
@@ -103,10 +102,6 @@ class _Search:
                 delays = 0.5 * delays + 0.5 * late
                 if makespan < shortest:
                     shortest, self.best, kept, since = makespan, plans, (order, count, shelf), 0
-                    rounds = 1
-            if since and since % 8 == 0:
-                rounds = min(MOST_ROUNDS, rounds + 1)
-                delays *= 0.5
             if shortest <= self.bound or time.perf_counter() - self._begun > limit:
                 break
         note = "" if self.best is not None else f"no plan within {limit:g} s"
@@ -267,11 +262,10 @@ class _Floor:
 
 def _load_kernels() -> None:
     """Compile or load what a search needs, before its clock starts."""
-    ones = np.ones((1, 1), np.int32)
-    order, count, shelf = first_sequences(Distances(ones, ones, ones))
+    few = Distances(*(np.ones((2, 2), np.int32) for _ in range(4)))
     anneal(
-        order, count, shelf, np.zeros(1, np.int32), np.empty(1), np.empty(1, np.int64), np.zeros(1), ones.astype(np.int64), ones.astype(np.int64),
-        ones.astype(np.int64), 1.0, 2, 1.0, 1,
+        *first_sequences(few), np.arange(2, dtype=np.int32), np.empty(2), np.empty(2, np.int64), np.zeros(2),
+        few.first, few.carry, few.back, few.near_boxes, few.near_shelves, 1.0, 2, 1.0, 1,
     )  # fmt: skip
     zero = np.zeros(1, np.int32)
     calendar = Calendar(4, 1)

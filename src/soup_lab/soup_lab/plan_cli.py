@@ -1,0 +1,134 @@
+"""The program behind `scripts/plan_world.py`: a joint plan for the robots of a world file, checked and shown."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from soup_lab.plan_picture import draw_plan
+from soup_managers.planners.check import check_plan, draw, play
+from soup_managers.planners.known import PLANNERS
+from soup_managers.planners.plan import RULES, Answer, Task
+from soup_managers.planners.world import read_world
+from soup_msgs_py import arguments as args
+from soup_msgs_py.errors import InputError
+
+SHOWN_STEP_S = 0.15
+PICTURES = (".png", ".gif")
+
+
+def parse(argv: list[str] | None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = args.Parser("Plan for all robots of a world at once: boxes to empty shelves, in as few steps as can be.")
+    parser.add_argument("world", type=Path, metavar="WORLD.txt", help="@ robot, * box, | empty shelf, # full, _ floor")
+    parser.add_argument("--planner", choices=PLANNERS, default="optimal")
+    parser.add_argument(
+        "--rules", choices=RULES, default="default", help="paper: no waiting, and off the shelves at last"
+    )
+    parser.add_argument("--weight", type=_weight, default=1.0, metavar="W", help="of the paper's planners' heuristic")
+    parser.add_argument("--time-limit", type=_seconds, default=60.0, metavar="S", help="wall seconds of search")
+    parser.add_argument("--summary", type=Path, metavar="F", help="write the figures and the plan as JSON")
+    parser.add_argument("--show", action="store_true", help="play the plan as text")
+    parser.add_argument("--picture", type=Path, metavar="F", help="draw the ways (.png) or play the plan (.gif)")
+    options = parser.parse_args(argv)
+    if options.picture is not None and options.picture.suffix not in PICTURES:
+        parser.error(f"--picture: found {options.picture}; allowed: a name that ends in {' or '.join(PICTURES)}")
+    if options.weight != 1.0 and options.planner not in ("single-action", "multi-action"):
+        parser.error(f"--weight: found {options.weight:g} with {options.planner}; allowed: single-action, multi-action")
+    return options
+
+
+def _weight(text: str) -> float:
+    return _number(text, 0.0, "a number, 0 or more")
+
+
+def _seconds(text: str) -> float:
+    value = _number(text, 0.0, "seconds, more than 0")
+    if not value:
+        raise argparse.ArgumentTypeError(f"found {text}; allowed: seconds, more than 0")
+    return value
+
+
+def _number(text: str, least: float, allowed: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not least <= value < math.inf:
+        raise argparse.ArgumentTypeError(f"found {text}; allowed: {allowed}")
+    return value
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Plan, check, show and write; the exit status: 0 for a plan, 1 for none."""
+    options = parse(argv)
+    try:
+        world = read_world(options.world)
+        task = Task(world, RULES[options.rules], options.weight, options.time_limit)
+        answer = PLANNERS[options.planner](task)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("stopped before there was a plan", file=sys.stderr)
+        return 130
+    if answer.plans is not None:
+        may_wait = task.rules.may_wait or options.planner == "single-action"
+        check_plan(world, answer.plans, may_wait=may_wait, must_leave=task.rules.must_leave)
+    summary = figures(options, answer, len(world.robots), len(world.boxes))
+    _print(summary, answer)
+    if options.summary is not None:
+        options.summary.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    if answer.plans is None:
+        print(f"{options.world}: {answer.note}; lower bound {_text(answer.lower_bound)}", file=sys.stderr)
+        return 1
+    if options.picture is not None:
+        draw_plan(world, answer.plans, options.picture)
+    if options.show:
+        for now in play(world, answer.plans, may_wait=True):
+            print(f"\nstep {now.step}\n{draw(world, now)}", flush=True)
+            if sys.stdout.isatty():
+                time.sleep(SHOWN_STEP_S)
+    return 0
+
+
+def figures(options: argparse.Namespace, answer: Answer, robots: int, boxes: int) -> dict[str, Any]:
+    """The figures of a plan, under the names of the design."""
+    return {
+        "planner": options.planner,
+        "rules": options.rules,
+        "makespan": answer.makespan,
+        "proven_optimal": answer.proven_optimal,
+        "lower_bound": answer.lower_bound if math.isfinite(answer.lower_bound) else None,
+        "gap": answer.gap,
+        "nodes_generated": answer.nodes_generated,
+        "nodes_expanded": answer.nodes_expanded,
+        "search_seconds": answer.search_s,
+        "robots": robots,
+        "boxes": boxes,
+        "plans": list(answer.plans) if answer.plans is not None else None,
+        "note": answer.note,
+    }
+
+
+def _text(bound: float) -> str:
+    return f"{bound:g}" if math.isfinite(bound) else "none: it is proven that there is no plan"
+
+
+def _print(summary: dict[str, Any], answer: Answer) -> None:
+    table = Table("figure", "value")
+    for key, value in summary.items():
+        if key != "plans" and value not in (None, ""):
+            table.add_row(key, f"{value:.4g}" if isinstance(value, float) else str(value))
+    console = Console()
+    console.print(table)
+    for robot, letters in enumerate(answer.plans or ()):
+        print(f"robot {robot + 1}: {' '.join(letters)}")

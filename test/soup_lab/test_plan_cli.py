@@ -1,0 +1,55 @@
+"""The planning program: its summary, its pictures, and what it says of bad input."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from soup_lab.plan_cli import main
+
+WORLD = str(Path(__file__).resolve().parents[2] / "config/worlds/small1-2r.txt")
+KEYS = {
+    "planner", "rules", "makespan", "proven_optimal", "lower_bound", "gap", "nodes_generated", "nodes_expanded",
+    "search_seconds", "robots", "boxes", "plans",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("planner", ["optimal", "multi-action"])
+def test_a_plan_is_told_shown_and_drawn(planner: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    summary, picture = tmp_path / "plan.json", tmp_path / "plan.png"
+    assert main([WORLD, "--planner", planner, "--summary", str(summary), "--picture", str(picture), "--show"]) == 0
+    told = json.loads(summary.read_text())
+    assert set(told) >= KEYS
+    assert told["makespan"] == len(told["plans"][0]) == len(told["plans"][1])
+    assert picture.stat().st_size > 1000
+    out = capsys.readouterr().out
+    assert f"step {told['makespan']}" in out and "robot 2: " in out
+
+
+def test_a_world_without_a_plan_ends_with_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    world = tmp_path / "w.txt"
+    world.write_text("@*_#|\n")
+    assert main([str(world), "--summary", str(tmp_path / "s.json")]) == 1
+    assert "proven" in capsys.readouterr().err
+    assert json.loads((tmp_path / "s.json").read_text())["plans"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["no.txt"], "no.txt: found No such file"),
+        ([WORLD, "--planner", "best"], "best"),
+        ([WORLD, "--weight", "-1"], "a number, 0 or more"),
+        ([WORLD, "--weight", "2"], "multi-action"),
+        ([WORLD, "--time-limit", "0"], "more than 0"),
+        ([WORLD, "--picture", "plan.jpg"], ".png or .gif"),
+        ([WORLD, "--planner", "anytime", "--rules", "paper"], "--rules default"),
+    ],
+)
+def test_bad_input_ends_with_status_2(arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]):
+    try:
+        status = main(arguments)
+    except SystemExit as stop:
+        status = stop.code
+    assert status == 2
+    assert told in capsys.readouterr().err

@@ -1,0 +1,204 @@
+"""Joint plans: shortest ones are shortest, all of them keep the rules, and what has no plan is said to have none."""
+
+import random
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from soup_managers.planners.check import BadPlan, check_plan
+from soup_managers.planners.known import PLANNERS
+from soup_managers.planners.plan import DEFAULT, PAPER, Task
+from soup_managers.planners.world import World, parse_world, read_world
+from soup_msgs_py.errors import InputError
+
+WORLDS = Path(__file__).resolve().parents[2] / "config/worlds"
+# what the paper prints for its medium world; of the second robot's letters an L and a U got lost
+PRINTED = "RRDPUULUUURPLLDDDDLLLPUUUPLDRR", "RRDPUULLUURPLDDDDLLPUUURULPL"
+MENDED = "RRDPUULLUURPLDDDDLLLPUUURUULPL"
+
+
+def exhaustive(world: World, *, paper: bool) -> int | None:
+    """The shortest makespan by looking at all states, breadth first; None: no plan. Shares nothing with planners."""
+    free = {cell for cell in range(world.cells) if cell not in world.walls}
+    start = (world.robots, (False,) * len(world.robots), frozenset(world.boxes), frozenset())
+    seen, layer, steps = {start}, [start], 0
+    while layer:
+        following = []
+        for robots, loads, boxes, filled in layer:
+            off = not any(cell in world.shelves for cell in robots)
+            if not boxes and not any(loads) and (off or not paper):
+                return steps
+            joint = [((), (), boxes, filled)]
+            for robot, cell in enumerate(robots):
+                choices = [] if paper else [(cell, loads[robot], None, None)]
+                x, y = cell % world.width, cell // world.width
+                for a, b in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)):
+                    there = b * world.width + a
+                    if 0 <= a < world.width and 0 <= b < world.height and there in free and there not in filled:
+                        choices.append((there, loads[robot], None, None))
+                if loads[robot] and cell in world.shelves and cell not in filled:
+                    choices.append((cell, False, None, cell))
+                if not loads[robot] and cell in boxes:
+                    choices.append((cell, True, cell, None))
+                joint = [
+                    ((*cells, there), (*carried, load), left - {took}, full | ({put} if put is not None else set()))
+                    for cells, carried, left, full in joint
+                    for there, load, took, put in choices
+                    if all(
+                        there != other and not (there == robots[k] and other == cell) for k, other in enumerate(cells)
+                    )
+                ]
+            for state in joint:
+                if state not in seen:
+                    seen.add(state)
+                    following.append(state)
+        layer, steps = following, steps + 1
+    return None
+
+
+def random_world(seed: int) -> World | None:
+    """A small world; None where its text is no world."""
+    draw = random.Random(seed)
+    robots = draw.randint(1, 3)
+    boxes = draw.randint(1, {1: 4, 2: 2, 3: 2}[robots])
+    width, height = {1: (8, 8), 2: (5, 3), 3: (3, 3)}[robots]
+    width, height = draw.randint(3, width), draw.randint(3, height)
+    kinds = "@" * robots + "*" * boxes + "|" * (boxes + draw.randint(0, 2))
+    if robots == 1 and boxes == 4:
+        kinds = kinds[: 1 + 2 * boxes]
+    cells = kinds + "#" * draw.randint(0, width * height // 5)
+    if len(cells) > width * height:
+        return None
+    cells = list(cells + "_" * (width * height - len(cells)))
+    draw.shuffle(cells)
+    try:
+        return parse_world("\n".join("".join(cells[k * width : (k + 1) * width]) for k in range(height)))
+    except InputError:
+        return None
+
+
+@settings(max_examples=200, derandomize=True)
+@given(seed=st.integers(0, 10**9))
+def test_optimal_is_as_short_as_an_exhaustive_search(seed: int):
+    world = random_world(seed)
+    if world is None:
+        return
+    for rules in (DEFAULT, PAPER):
+        answer = PLANNERS["optimal"](Task(world, rules))
+        assert answer.makespan == exhaustive(world, paper=rules is PAPER)
+        if answer.plans is None:
+            assert answer.lower_bound == float("inf")
+        else:
+            length = check_plan(world, answer.plans, may_wait=rules.may_wait, must_leave=rules.must_leave)
+            assert length == answer.makespan == answer.lower_bound
+
+
+@pytest.mark.parametrize(
+    ("name", "default"), [("medium1", 29), ("small1-1r", 32), ("small1-2r", 18), ("small1-3r", 10)]
+)
+def test_the_papers_worlds_have_plans_of_known_length(name: str, default: int):
+    world = read_world(WORLDS / f"{name}.txt")
+    for rules, makespan in ((DEFAULT, default), (PAPER, default + 1)):
+        answer = PLANNERS["optimal"](Task(world, rules))
+        assert answer.proven_optimal and answer.makespan == makespan
+        assert answer.plans is not None
+        assert check_plan(world, answer.plans, may_wait=rules.may_wait, must_leave=rules.must_leave) == makespan
+
+
+def test_the_plan_that_the_paper_prints_keeps_its_rules():
+    world = read_world(WORLDS / "medium1.txt")
+    assert check_plan(world, (PRINTED[0], MENDED), may_wait=False, must_leave=True) == 30
+    with pytest.raises(BadPlan, match="no box"):
+        check_plan(world, (PRINTED[0], PRINTED[1] + "WW"))
+
+
+@pytest.mark.parametrize("name", ["multi-action", "single-action"])
+@pytest.mark.parametrize("rules", [DEFAULT, PAPER])
+def test_the_papers_planners_keep_the_rules(name: str, rules):
+    world = read_world(WORLDS / "small1-2r.txt")
+    answer = PLANNERS[name](Task(world, rules))
+    assert answer.plans is not None and answer.makespan is not None
+    length = check_plan(world, answer.plans, may_wait=rules.may_wait or name == "single-action")
+    best = PLANNERS["optimal"](Task(world, rules)).makespan
+    assert best is not None
+    assert answer.makespan >= length
+    assert answer.makespan >= best
+    assert answer.nodes_generated > answer.nodes_expanded > 0
+
+
+@settings(max_examples=20, derandomize=True, deadline=None)
+@given(seed=st.integers(0, 10**9))
+def test_a_plan_for_many_keeps_the_rules(seed: int):
+    draw = random.Random(seed)
+    width, height, robots, boxes = draw.randint(12, 24), draw.randint(10, 16), draw.randint(2, 12), draw.randint(1, 24)
+    rows = [["_"] * width for _ in range(height)]
+    block = [
+        (x + a, y + b) for y in range(1, height - 2, 4) for x in range(1, width - 2, 4) for a in (0, 1) for b in (0, 1)
+    ]
+    draw.shuffle(block)
+    boxes = min(boxes, len(block))
+    for k, (x, y) in enumerate(block):
+        rows[y][x] = "|" if k < boxes else draw.choice("|#")
+    floor = [(x, y) for y in range(height) for x in range(width) if rows[y][x] == "_"]
+    draw.shuffle(floor)
+    for k, (x, y) in enumerate(floor[: robots + boxes]):
+        rows[y][x] = "@" if k < robots else "*"
+    world = parse_world("\n".join(map("".join, rows)))
+    answer = PLANNERS["anytime"](Task(world, time_limit_s=0.05))
+    assert answer.plans is not None
+    assert check_plan(world, answer.plans) == answer.makespan
+    assert answer.makespan is not None and answer.makespan >= answer.lower_bound
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "an empty file"),
+        ("\n\n", "an empty file"),
+        ("_*|\n___", "no robot"),
+        ("@**|", "2 boxes and 1 empty shelves"),
+        ("@_#*\n|_##", "line 1, column 4: found a box that no robot can reach"),
+        ("@_*|\n___", "line 2: found 3 cells"),
+        ("@_*|\n\n____", "line 2: found an empty line"),
+        ("@x*|", "line 1, column 2: found 'x'"),
+    ],
+)
+def test_what_is_no_world_is_told_in_one_line(text: str, told: str):
+    with pytest.raises(InputError) as error:
+        parse_world(text, "w.txt")
+    assert told in str(error.value) and "\n" not in str(error.value)
+    assert str(error.value).startswith("w.txt")
+
+
+@pytest.mark.parametrize("text", ["@*_#|", "@*_\n###\n|__", "*@*|#|"])
+@pytest.mark.parametrize("name", ["optimal", "multi-action", "single-action"])
+def test_a_world_without_a_plan_is_proven_to_have_none(text: str, name: str):
+    answer = PLANNERS[name](Task(parse_world(text)))
+    assert answer.plans is None
+    assert answer.lower_bound == float("inf")
+
+
+@pytest.mark.parametrize(
+    ("plans", "told"),
+    [
+        (("R", "W"), "full shelf"),
+        (("D", "W"), "leaves the world"),
+        (("P", "W"), "no box"),
+        (("W", "X"), "no such action"),
+        (("W",), "1 plans for 2 robots"),
+        (("W", "WW"), "all robots act"),
+    ],
+)
+def test_the_judge_refuses_what_breaks_a_rule(plans: tuple[str, ...], told: str):
+    with pytest.raises(BadPlan, match=told):
+        check_plan(parse_world("@#@*|"), plans)
+
+
+def test_the_judge_keeps_robots_apart():
+    world = parse_world("@@*|")
+    with pytest.raises(BadPlan, match="change places"):
+        check_plan(world, ("R", "L"))
+    with pytest.raises(BadPlan, match="in one cell"):
+        check_plan(world, ("R", "W"))
