@@ -32,7 +32,9 @@ def exhaustive(world: World, *, paper: bool) -> int | None:
                 return steps
             joint = [((), (), boxes, filled)]
             for robot, cell in enumerate(robots):
-                choices = [] if paper else [(cell, loads[robot], None, None)]
+                choices: list[tuple[int, bool, int | None, int | None]] = []
+                if not paper:
+                    choices.append((cell, loads[robot], None, None))
                 x, y = cell % world.width, cell // world.width
                 for a, b in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)):
                     there = b * world.width + a
