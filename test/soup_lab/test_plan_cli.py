@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from soup_lab.benchmark_cli import main as measure
 from soup_lab.plan_cli import main
 
 WORLD = str(Path(__file__).resolve().parents[2] / "config/worlds/small1-2r.txt")
@@ -53,3 +54,13 @@ def test_bad_input_ends_with_status_2(arguments: list[str], told: str, capsys: p
         status = stop.code
     assert status == 2
     assert told in capsys.readouterr().err
+
+
+def test_the_planners_are_measured_on_the_papers_worlds(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    picture, summary = tmp_path / "plots.png", tmp_path / "figures.json"
+    more = ["--picture", str(picture), "--summary", str(summary)]
+    assert measure(["planner", "--time-limit", "0.3", *more]) == 0
+    assert "given up" in capsys.readouterr().out
+    assert picture.stat().st_size > 1000
+    rows = json.loads(summary.read_text())["planner"]
+    assert [row["makespan"] for row in rows if row["planner"] == "optimal"] == [30, 33, 19, 11, 9, 9, 16, 19]
