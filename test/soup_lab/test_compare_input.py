@@ -55,6 +55,8 @@ WRONG = [
     ({"seeds": []}, "seeds", "[]", "at least 1"),
     ({"seeds": [-1]}, "seeds.0", "-1", "greater than or equal to 0"),
     ({"seeds": NOTHING, "replications": 0}, "replications", "0", "greater than or equal to 1"),
+    ({"set": 3}, "set", "3", "dotted keys with values"),
+    ({"set": {"robots": 3}}, "set.robots", "an unknown key", "bots"),
     ({"variants": []}, "variants", "[]", "at least 1"),
     ({"variants": {"words": []}}, "variants", "{'words': []}", "list"),
     ({"variants": [{"variants": []}]}, "variants.0.group", "nothing", "required"),

@@ -98,8 +98,11 @@ def load_experiment(path: Path, replications: int | None = None) -> Experiment:
 
     base_policies = load_policies(policies)
     make_minds(base_policies)
-    with _told(path, "set", shared):
-        base_warehouse = _changed_warehouse(scenario, shared, folder)
+    if shared:
+        with _told(path, "set", shared):
+            base_warehouse = _changed_warehouse(scenario, shared, folder)
+    else:
+        base_warehouse = load_warehouse(scenario)
     base = case(policies.stem, "", base_warehouse, base_policies, {})
 
     def variant(keys: VariantKeys, group: str) -> Case:

@@ -89,10 +89,14 @@ def run_local(todo: list[Job], processes: int | None = None) -> Generator[Outcom
             for future in as_completed(futures):
                 yield futures[future], future.result()
         except BaseException as error:
-            workers_now = list((pool._processes or {}).values())  # `shutdown` forgets them
+            # `shutdown` forgets them
+            workers_now, calls = list((pool._processes or {}).values()), getattr(pool, "_call_queue", None)
             pool.shutdown(wait=False, cancel_futures=True)
             for process in workers_now:
                 process.terminate()
+            if calls is not None and not isinstance(error, BrokenProcessPool):
+                # who hands over a job larger than a pipe would wait for ever for its dead reader (CPython gh-94777)
+                calls._reader.close()
             if isinstance(error, BrokenProcessPool):
                 raise RunError("a process of the sweep was killed, perhaps for want of memory") from error
             raise
