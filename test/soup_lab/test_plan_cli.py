@@ -40,9 +40,10 @@ def test_a_world_without_a_plan_ends_with_status_1(tmp_path: Path, capsys: pytes
     [
         (["no.txt"], "no.txt: found No such file"),
         ([WORLD, "--planner", "best"], "best"),
-        ([WORLD, "--weight", "-1"], "a number, 0 or more"),
+        ([WORLD, "--weight", "-1"], "a number from 0"),
         ([WORLD, "--weight", "2"], "multi-action"),
-        ([WORLD, "--time-limit", "0"], "more than 0"),
+        ([WORLD, "--time-limit", "0"], "a number above 0"),
+        ([WORLD, "--summary", "nowhere/plan.json"], "a folder that exists"),
         ([WORLD, "--picture", "plan.jpg"], ".png or .gif"),
         ([WORLD, "--planner", "anytime", "--rules", "paper"], "--rules default"),
     ],

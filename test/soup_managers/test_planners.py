@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 
 from soup_managers.planners.check import BadPlan, check_plan
 from soup_managers.planners.known import PLANNERS
+from soup_managers.planners.moves import Moves
 from soup_managers.planners.plan import DEFAULT, PAPER, Task
+from soup_managers.planners.remaining import Remaining
 from soup_managers.planners.world import World, parse_world, read_world
 from soup_msgs_py.errors import InputError
 
@@ -95,6 +97,16 @@ def test_optimal_is_as_short_as_an_exhaustive_search(seed: int):
         else:
             length = check_plan(world, answer.plans, may_wait=rules.may_wait, must_leave=rules.must_leave)
             assert length == answer.makespan == answer.lower_bound
+
+
+def test_a_robot_that_has_a_box_may_be_the_one_that_comes_for_the_next():
+    row = "@" + "_" * 200 + "@" + "*|" * 18
+    world = parse_world(row + "\n" + "_" * len(row))
+    start = Moves(world, DEFAULT).start
+    # the right one has the first box; the left one is far from all others, which have a shelf beside them
+    state = start._replace(robots=(0, 202), loads=2, boxes=start.boxes & ~1)
+    eight_steps_a_box = 8 * 18
+    assert Remaining(world, DEFAULT).of(state)[0] <= eight_steps_a_box
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
 import time
@@ -20,6 +19,7 @@ from soup_managers.planners.plan import RULES, Answer, Task
 from soup_managers.planners.world import read_world
 from soup_msgs_py import arguments as args
 from soup_msgs_py.errors import InputError
+from soup_sim.summary import write_summary
 
 SHOWN_STEP_S = 0.15
 PICTURES = (".png", ".gif")
@@ -33,38 +33,21 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument(
         "--rules", choices=RULES, default="default", help="paper: no waiting, and off the shelves at last"
     )
-    parser.add_argument("--weight", type=_weight, default=1.0, metavar="W", help="of the paper's planners' heuristic")
-    parser.add_argument("--time-limit", type=_seconds, default=60.0, metavar="S", help="wall seconds of search")
-    parser.add_argument("--summary", type=Path, metavar="F", help="write the figures and the plan as JSON")
+    parser.add_argument(
+        "--weight", type=args.not_negative, default=1.0, metavar="W", help="of the paper's planners' heuristic"
+    )
+    parser.add_argument("--time-limit", type=args.positive, default=60.0, metavar="S", help="wall seconds of search")
+    parser.add_argument("--summary", type=args.output_file, metavar="F", help="write the figures and the plan as JSON")
     parser.add_argument("--show", action="store_true", help="play the plan as text")
-    parser.add_argument("--picture", type=Path, metavar="F", help="draw the ways (.png) or play the plan (.gif)")
+    parser.add_argument(
+        "--picture", type=args.output_file, metavar="F", help="draw the ways (.png) or play the plan (.gif)"
+    )
     options = parser.parse_args(argv)
     if options.picture is not None and options.picture.suffix not in PICTURES:
         parser.error(f"--picture: found {options.picture}; allowed: a name that ends in {' or '.join(PICTURES)}")
     if options.weight != 1.0 and options.planner not in ("single-action", "multi-action"):
         parser.error(f"--weight: found {options.weight:g} with {options.planner}; allowed: single-action, multi-action")
     return options
-
-
-def _weight(text: str) -> float:
-    return _number(text, 0.0, "a number, 0 or more")
-
-
-def _seconds(text: str) -> float:
-    value = _number(text, 0.0, "seconds, more than 0")
-    if not value:
-        raise argparse.ArgumentTypeError(f"found {text}; allowed: seconds, more than 0")
-    return value
-
-
-def _number(text: str, least: float, allowed: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not least <= value < math.inf:
-        raise argparse.ArgumentTypeError(f"found {text}; allowed: {allowed}")
-    return value
 
 
 def main(argv: list[str] | None = None) -> int:
@@ -86,7 +69,7 @@ def main(argv: list[str] | None = None) -> int:
     summary = figures(options, answer, len(world.robots), len(world.boxes))
     _print(summary, answer)
     if options.summary is not None:
-        options.summary.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+        write_summary(options.summary, summary)
     if answer.plans is None:
         print(f"{options.world}: {answer.note}; lower bound {_text(answer.lower_bound)}", file=sys.stderr)
         return 1

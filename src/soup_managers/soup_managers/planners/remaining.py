@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache, lru_cache
 from itertools import combinations, product
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ MOST_DIVISIONS = 20_000  # ways to divide boxes and shelves that are looked at f
 MOST_OWNERS = 70_000  # ways to divide boxes alone; with more, boxes are looked at one by one
 MOST_BITS = 17  # boxes and shelves together for which all subsets are looked at
 _LATEST = 1e8  # more than all robots' steps together: what is done last comes first
-MOST_BOXES = 16
+MOST_BOXES = 10  # with more, what a single robot may get are too many, with any shelves
 _NO_PLAN = float("inf"), float("inf")
 
 Table = NDArray[np.float64]
@@ -108,7 +109,10 @@ class Remaining:
         return least + self._rules.must_leave if least < NEVER else float("inf")
 
     def _is_relaxed(self, boxes: int, shelves: int, loads: tuple[int, ...]) -> bool:
-        return bool(boxes or any(loads)) and _count(boxes.bit_count(), shelves.bit_count(), loads) > MOST_DIVISIONS
+        items, empty = boxes.bit_count(), shelves.bit_count()
+        if comb(items + empty, items + max(loads)) > MOST_DIVISIONS:
+            return True  # what a single robot may get are too many already
+        return bool(boxes or any(loads)) and _count(items, empty, loads) > MOST_DIVISIONS
 
     def _find_several(self, robots: tuple[tuple[int, int], ...], boxes: int, shelves: int) -> Table:
         """When the last of some robots, cells and loads, is done, for all subsets of boxes and shelves."""
@@ -139,10 +143,10 @@ class Remaining:
 
     def _box_by_box(self, state: State, loads: tuple[int, ...]) -> Estimate:
         """Where there are many boxes: the one that takes longest, as if each had all robots for itself."""
-        there = [robot for robot, load in zip(state.robots, loads, strict=True) if not load]
-        carried = [float(self._to_shelf[:, robot].min()) + 1 for robot in state.robots if robot not in there]
-        to_box = self._to_box[:, there].min(axis=1) if there else np.zeros(len(self._to_box))
-        times = to_box + 2 + self._carry.min(axis=1)
+        robots = list(state.robots)
+        carried = [float(self._to_shelf[:, robot].min()) + 1 for robot, load in zip(robots, loads, strict=True) if load]
+        # also one that has a box may come for another, and no sooner than if it had none
+        times = self._to_box[:, robots].min(axis=1) + 2 + self._carry.min(axis=1)
         least = max([*carried, *(float(times[box]) for box in _members(state.boxes))])
         return (least + self._rules.must_leave, least) if least < NEVER else _NO_PLAN
 
@@ -269,6 +273,7 @@ def _of_size(mask: int, size: int) -> list[int]:
     return [sum(1 << bit for bit in chosen) for chosen in combinations(_members(mask), size)]
 
 
+@cache
 def _count(boxes: int, shelves: int, loads: tuple[int, ...]) -> int:
     """How many ways there are to divide boxes and shelves among robots; enough is enough."""
     if len(loads) ** boxes > MOST_DIVISIONS:
