@@ -7,6 +7,11 @@ _environment.enter()
 import sys
 
 from _command_line import POLICIES, SCENARIO
+from soup_lab.processes import load_ahead
+
+if __name__ == "__main__":
+    load_ahead()  # while this process loads its own
+
 from soup_lab.warehouse_node import main
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The packages are ordinary ROS 2 packages: colcon builds them, `ros2 run` finds their programs."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,8 @@ import pytest
 
 import _environment
 
+# Compiling all interfaces takes minutes, and the set-up has done it with the same CMakeLists.txt.
+INTERFACES = {"msg": ["Event.msg"], "srv": ["Grab.srv"], "action": ["Drive.action"]}
 PROGRAMS = {
     "soup_msgs": [],
     "soup_msgs_py": [],
@@ -22,14 +25,20 @@ PROGRAMS = {
 
 @pytest.fixture(scope="module")
 def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder into which colcon has built and installed everything in src/."""
+    """The folder into which colcon has built and installed what is in src/, with one interface of each kind."""
     folder = tmp_path_factory.mktemp("colcon")
+    sources = folder / "src"
+    shutil.copytree(_environment.ROOT / "src", sources, ignore=shutil.ignore_patterns(*INTERFACES, "__pycache__"))
+    for kind, names in INTERFACES.items():
+        (sources / "soup_msgs" / kind).mkdir()
+        for name in names:
+            shutil.copy(_environment.MESSAGES / kind / name, sources / "soup_msgs" / kind)
     environment = _environment.run_environment()
     environment["AMENT_PREFIX_PATH"] = environment["CMAKE_PREFIX_PATH"] = str(_environment.VENV)
     environment["PATH"] = os.pathsep.join([str(_environment.VENV / "bin"), environment["PATH"]])
     bases = {"--build-base": "build", "--install-base": "install"}
     command = [sys.executable, "-m", "colcon", "--log-base", str(folder / "log"), "build"]
-    command += ["--base-paths", str(_environment.ROOT / "src")]
+    command += ["--base-paths", str(sources)]
     for option, name in bases.items():
         command += [option, str(folder / name)]
     command += [

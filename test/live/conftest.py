@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 import _environment
+from soup_msgs_py.live.shared_memory import remove_unused, used_by
 
 SCRIPTS = _environment.ROOT / "scripts"
 MARK = "SOUP_TEST"  # environment variable by which a test knows its processes, grandchildren included
@@ -27,7 +28,10 @@ ENDS_S = 3.0  # what is promised; the tests grant what a busy machine takes on t
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    """A ROS domain that no other test of this machine has, in this process and all that it starts."""
+    """A ROS domain that no other test of this machine has, in this process and all that it starts.
+
+    What killed processes left of it in shared memory is removed before and after: it would be in the way of others.
+    """
     for number in range(20, 100):  # higher ones use ports that outgoing connections may have
         with open(Path(tempfile.gettempdir()) / f"soup-test-domain-{number}", "w") as lock:
             try:
@@ -35,9 +39,25 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
             except BlockingIOError:
                 continue
             monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
+            remove_ports(number)
             yield str(number)
+            remove_ports(number)
             return
     pytest.fail("no free ROS domain")
+
+
+def ports_of(domain: int) -> range:
+    """The ports that DDS gives to the processes of a domain."""
+    first = 7400 + 250 * domain
+    return range(first, first + 250)
+
+
+def remove_ports(domain: int) -> None:
+    """Remove what is in shared memory for the ports of a domain."""
+    for file in Path("/dev/shm").glob("*fastrtps_port*"):
+        place = re.fullmatch(r"(?:sem\.)?fastrtps_port(\d+)(?:_\w+)?", file.name)
+        if place is not None and int(place[1]) in ports_of(domain):
+            file.unlink(missing_ok=True)
 
 
 class Parts:
@@ -51,8 +71,20 @@ class Parts:
 
     def start(self, script: str, *arguments: str) -> subprocess.Popen[str]:
         """Start a program of `scripts/`, away from any terminal."""
+        return self._start([sys.executable, str(SCRIPTS / script), *arguments])
+
+    def run_file(self, file: Path, *arguments: str) -> subprocess.Popen[str]:
+        """Start a program of the tests."""
+        return self._start([sys.executable, str(file), *arguments])
+
+    def start_in(self, namespace: str, script: str, *arguments: str) -> subprocess.Popen[str]:
+        """Start a program of `scripts/` in a network namespace."""
+        program = [sys.executable, str(SCRIPTS / script), *arguments]
+        return self._start(["ip", "netns", "exec", namespace, *program])
+
+    def _start(self, command: list[str]) -> subprocess.Popen[str]:
         process = subprocess.Popen(
-            [sys.executable, str(SCRIPTS / script), *arguments],
+            command,
             cwd=self.folder,
             env={**os.environ, MARK: self.mark},
             stdin=subprocess.DEVNULL,
@@ -70,13 +102,14 @@ class Parts:
         out, err = process.communicate(timeout=PATIENCE_S)
         return process.returncode, out, err
 
-    def interrupt(self, process: subprocess.Popen[str], number: int = signal.SIGINT) -> None:
-        """End a program as Ctrl-C does; it has to end within 3 s."""
+    def interrupt(self, process: subprocess.Popen[str], number: int = signal.SIGINT) -> str:
+        """End a program as Ctrl-C does; it has to end within 3 s. Returns what it wrote to stderr."""
         began, allowed = time.monotonic(), ENDS_S * slowness()
         process.send_signal(number)
-        process.communicate(timeout=PATIENCE_S)
+        _, err = process.communicate(timeout=PATIENCE_S)
         took = time.monotonic() - began
         assert took < allowed, f"{process.args} took {took:.1f} s to end"
+        return err
 
     def alive(self) -> list[int]:
         """All processes of the test that still run, whoever started them."""
@@ -96,15 +129,12 @@ class Parts:
 
     def shared_memory(self) -> set[Path]:
         """The files in /dev/shm that the processes of the test alone have open: segments, ports of their domain."""
-        first = 7400 + 250 * int(os.environ["ROS_DOMAIN_ID"])  # where DDS counts a domain's ports from
-        own_ports = range(first, first + 250)
+        own_ports = ports_of(int(os.environ["ROS_DOMAIN_ID"]))
         files = set()
-        for number in self.alive():
-            with contextlib.suppress(OSError):
-                for line in Path(f"/proc/{number}/maps").read_text().splitlines():
-                    place = re.match(r".*(/dev/shm/fastrtps_(?:port(\d+)|[0-9a-f]{16}))$", line)
-                    if place is not None and (place[2] is None or int(place[2]) in own_ports):
-                        files.add(Path(place[1]))
+        for file in {file for number in self.alive() for file in used_by(number)}:
+            port = re.fullmatch(r"fastrtps_port(\d+)", file.name)
+            if port is None or int(port[1]) in own_ports:
+                files.add(file)
         self._memory |= files
         return files
 
@@ -116,9 +146,7 @@ class Parts:
                 os.kill(number, signal.SIGKILL)
         for process in self._started:
             process.communicate()
-        for file in self._memory:
-            for rest in (file, file.with_name(f"{file.name}_el"), file.with_name(f"sem.{file.name}_mutex")):
-                rest.unlink(missing_ok=True)
+        remove_unused(self._memory)
 
 
 @pytest.fixture

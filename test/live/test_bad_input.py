@@ -29,7 +29,8 @@ WRONG = {
     "a missing word file": ("run_world.py", ["--set", "words=no.txt"], "no such file"),
     "a missing scenario": ("run_world.py", ["--scenario", "no.yaml"], "no.yaml: found No such file"),
     "bots that run backwards": ("run_bots.py", ["5-2"], "bots: found '5-2'; allowed:"),
-    "what comes later": ("run_warehouse.py", ["--record", "bag"], "--record: comes later"),
+    "a bag that is there": ("run_warehouse.py", ["--record", "."], "which is there already; allowed: a folder"),
+    "a bag nowhere": ("run_warehouse.py", ["--record", "no/bag"], "no/bag: found No such file or directory; allowed:"),
 }
 
 

@@ -12,91 +12,13 @@ from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.moves import Moves
 from soup_managers.planners.plan import DEFAULT, PAPER, Task
 from soup_managers.planners.remaining import Remaining
-from soup_managers.planners.world import World, parse_world, read_world
+from soup_msgs_py.cell_world import parse_world, read_world
 from soup_msgs_py.errors import InputError
 
 WORLDS = Path(__file__).resolve().parents[2] / "config/worlds"
 # what the paper prints for its medium world; of the second robot's letters an L and a U got lost
 PRINTED = "RRDPUULUUURPLLDDDDLLLPUUUPLDRR", "RRDPUULLUURPLDDDDLLPUUURULPL"
 MENDED = "RRDPUULLUURPLDDDDLLLPUUURUULPL"
-
-
-def exhaustive(world: World, *, paper: bool) -> int | None:
-    """The shortest makespan by looking at all states, breadth first; None: no plan. Shares nothing with planners."""
-    free = {cell for cell in range(world.cells) if cell not in world.walls}
-    start = (world.robots, (False,) * len(world.robots), frozenset(world.boxes), frozenset())
-    seen, layer, steps = {start}, [start], 0
-    while layer:
-        following = []
-        for robots, loads, boxes, filled in layer:
-            off = not any(cell in world.shelves for cell in robots)
-            if not boxes and not any(loads) and (off or not paper):
-                return steps
-            joint = [((), (), boxes, filled)]
-            for robot, cell in enumerate(robots):
-                choices: list[tuple[int, bool, int | None, int | None]] = []
-                if not paper:
-                    choices.append((cell, loads[robot], None, None))
-                x, y = cell % world.width, cell // world.width
-                for a, b in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)):
-                    there = b * world.width + a
-                    if 0 <= a < world.width and 0 <= b < world.height and there in free and there not in filled:
-                        choices.append((there, loads[robot], None, None))
-                if loads[robot] and cell in world.shelves and cell not in filled:
-                    choices.append((cell, False, None, cell))
-                if not loads[robot] and cell in boxes:
-                    choices.append((cell, True, cell, None))
-                joint = [
-                    ((*cells, there), (*carried, load), left - {took}, full | ({put} if put is not None else set()))
-                    for cells, carried, left, full in joint
-                    for there, load, took, put in choices
-                    if all(
-                        there != other and not (there == robots[k] and other == cell) for k, other in enumerate(cells)
-                    )
-                ]
-            for state in joint:
-                if state not in seen:
-                    seen.add(state)
-                    following.append(state)
-        layer, steps = following, steps + 1
-    return None
-
-
-def random_world(seed: int) -> World | None:
-    """A small world; None where its text is no world."""
-    draw = random.Random(seed)
-    robots = draw.randint(1, 3)
-    boxes = draw.randint(1, {1: 4, 2: 2, 3: 2}[robots])
-    width, height = {1: (8, 8), 2: (5, 3), 3: (3, 3)}[robots]
-    width, height = draw.randint(3, width), draw.randint(3, height)
-    kinds = "@" * robots + "*" * boxes + "|" * (boxes + draw.randint(0, 2))
-    if robots == 1 and boxes == 4:
-        kinds = kinds[: 1 + 2 * boxes]
-    cells = kinds + "#" * draw.randint(0, width * height // 5)
-    if len(cells) > width * height:
-        return None
-    cells = list(cells + "_" * (width * height - len(cells)))
-    draw.shuffle(cells)
-    try:
-        return parse_world("\n".join("".join(cells[k * width : (k + 1) * width]) for k in range(height)))
-    except InputError:
-        return None
-
-
-@settings(max_examples=200, derandomize=True)
-@given(seed=st.integers(0, 10**9))
-def test_optimal_is_as_short_as_an_exhaustive_search(seed: int):
-    world = random_world(seed)
-    if world is None:
-        return
-    for rules in (DEFAULT, PAPER):
-        answer = PLANNERS["optimal"](Task(world, rules))
-        assert answer.makespan == exhaustive(world, paper=rules is PAPER)
-        if answer.plans is None:
-            assert answer.lower_bound == float("inf")
-        else:
-            length = check_plan(world, answer.plans, may_wait=rules.may_wait, must_leave=rules.must_leave)
-            assert length == answer.makespan == answer.lower_bound
 
 
 def test_a_robot_that_has_a_box_may_be_the_one_that_comes_for_the_next():

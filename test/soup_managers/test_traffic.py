@@ -205,18 +205,33 @@ def assert_nobody_touches(legs_of: dict[int, list[Leg]], body: float) -> None:
 
 
 def drive_about(
-    traffic: Traffic, layout: Layout, bots: int, legs: int, seed: int, *, dwell_s: float = 3.0
+    traffic: Traffic,
+    layout: Layout,
+    bots: int,
+    legs: int,
+    seed: int,
+    *,
+    dwell_s: float = 3.0,
+    before: dict[int, list[Leg]] | None = None,
 ) -> dict[int, list[Leg]]:
-    """Bots on storage spots drive between spots and station lines at random; every leg must be planned."""
+    """Bots on storage spots drive between spots and station lines at random; every leg must be planned.
+
+    With `before` they do not begin on spots: they are still on the last legs of an earlier timetable.
+    """
     rng = np.random.default_rng(seed)
     spots = layout.storage_spots.tolist()
     driven: dict[int, list[Leg]] = {}
     agenda = []
-    for bot, spot in enumerate(rng.permutation(spots)[:bots].tolist()):
+    for bot, drives in (before or {}).items():
+        traffic.adopt(bot, drives[-1].points, drives[-1].stamps)
+        driven[bot] = drives[-1:]
+        agenda.append((drives[-1].arrive, bot))
+    for bot, spot in enumerate(rng.permutation(spots)[: 0 if before else bots].tolist()):
         traffic.stand(bot, spot, 0.0)
         point = (float(layout.waypoints[spot, 0]), float(layout.waypoints[spot, 1]))
         driven[bot] = [Leg(bot, (spot,), (point,), (0.0,), 0.0, 0.0)]
         agenda.append((0.0, bot))
+    under_way_until = max(time for time, _ in agenda) if before else -math.inf
     heapq.heapify(agenda)
     for _ in range(legs):
         now, bot = heapq.heappop(agenda)
@@ -228,6 +243,9 @@ def drive_about(
         free = [w for w in goals if traffic.free_from(w) < math.inf]
         goal = free[int(rng.integers(len(free)))]
         leg = traffic.plan(bot, goal, now, loaded=bool(rng.random() < 0.5))
+        if leg is None and now < under_way_until:  # who is on an earlier leg holds a little too much
+            heapq.heappush(agenda, (now + 1.0, bot))
+            continue
         assert leg is not None, (bot, traffic.at(bot), goal)
         assert now <= leg.depart <= leg.arrive < now + 1000.0
         driven[bot].append(leg)
@@ -408,6 +426,15 @@ def test_a_bot_stopped_between_waypoints_gets_back_on_its_way(traffic, demo):
     assert leg is not None and other is not None
     assert leg.points[0] == (float(x), float(y)) and leg.waypoints[-1] == dock
     assert_nobody_touches({0: [leg], 1: [other]}, 2.0 * scenario.bot.radius_m)
+
+
+@pytest.mark.parametrize(("name", "bots"), [("demo", 40), ("hexagonal", 60), ("map", 30)])
+def test_who_plans_on_from_drives_under_way_touches_nobody(name, bots):
+    scenario = scenario_of(name)
+    layout = make_layout(scenario)
+    before = drive_about(Traffic(scenario, layout), layout, bots, 500, seed=2)
+    after = drive_about(Traffic(scenario, layout), layout, bots, 500, seed=3, before=before)
+    assert_nobody_touches(after, 2.0 * scenario.bot.radius_m)
 
 
 def test_the_same_requests_make_the_same_plans(demo):

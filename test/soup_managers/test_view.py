@@ -174,7 +174,12 @@ def test_a_gap_in_the_events_asks_for_a_snapshot_that_is_new_enough(view, world)
     assert view.apply(transfer(14, bucket=0, station=1, tile=0, job=0))
 
 
-def test_a_snapshot_that_is_not_needed_changes_nothing(view, world):
-    world.sequence = 12
+def test_a_snapshot_that_holds_nothing_new_changes_nothing(view, world):
     assert not view.reset(world.snapshot())
     assert view.sequence == 10
+
+
+def test_a_snapshot_that_holds_more_is_taken_over(view, world):
+    world.sequence = 12
+    assert view.reset(world.snapshot())
+    assert view.sequence == 12

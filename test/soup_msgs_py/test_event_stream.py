@@ -50,10 +50,35 @@ def test_an_event_after_a_gap_is_told_and_then_nothing_until_a_snapshot_that_hol
     assert stream.take_snapshot(again) == [again, event(4)]
 
 
+def test_an_event_far_ahead_that_was_nobodys_does_not_keep_a_follower_out_for_ever():
+    stream = EventStream()
+    stream.take_snapshot(snapshot(0))
+    stream.take_event(event(10**15))
+    later = [snapshot(number) for number in (1, 2, 3)]
+    assert [stream.take_snapshot(made) for made in later] == [[], [], [later[2]]]
+    assert stream.take_event(event(4)) == [event(4)]
+
+
 def test_in_step_a_snapshot_tells_nothing_new():
     stream = EventStream()
     stream.take_snapshot(snapshot(0))
     assert stream.take_snapshot(snapshot(5)) == []
+
+
+def test_events_that_were_sent_before_anybody_listened_are_missed_though_nothing_happens_after_them():
+    stream = EventStream()
+    assert stream.take_snapshot(snapshot(4))
+    assert not stream.lacks(6)  # they may be on their way
+    assert stream.lacks(6)
+    assert (stream.gaps, stream.in_step) == (1, False)
+    assert stream.take_snapshot(snapshot(6))
+    stream.take_event(event(7))
+    assert not stream.lacks(7)
+    assert not stream.lacks(9)
+    stream.take_event(event(8))
+    stream.take_event(event(9))
+    assert not stream.lacks(9)
+    assert stream.in_step
 
 
 def test_with_another_world_everything_begins_anew():

@@ -9,9 +9,10 @@ import pytest
 from rclpy.serialization import serialize_message
 
 from soup_msgs_py import topics
+from soup_msgs_py.codes import EventType
 from soup_msgs_py.live.follower import Follower
 from soup_msgs_py.messages import Beat, Heard
-from soup_msgs_py.mind import NEVER
+from soup_msgs_py.mind import EVERYTHING, NEVER
 from soup_msgs_py.wire import Announcement, from_ros, to_ros
 from soup_sim.setup import load_warehouse
 
@@ -21,9 +22,10 @@ CONFIG = Path(__file__).resolve().parents[2] / "config"
 class Wires:
     """Stands in for the process, its node and its report: keeps who listens, and what was said."""
 
-    name = "part"
+    name = "fleet manager"
 
     def __init__(self) -> None:
+        self.values: dict[str, str] = {}
         self.takes: dict[str, Any] = {}
         self.said: list[Heard] = []
         self.looks: list[Any] = []
@@ -56,6 +58,7 @@ class Mind:
     """Wants nothing."""
 
     next_wake = NEVER
+    reacts_to = EVERYTHING
 
     def handle(self, message: Any, now: float) -> list[Any]:
         return []
@@ -82,7 +85,7 @@ class Part:
 
     def beat(self, number: int, time: float) -> None:
         """The world says a beat."""
-        self.wires.takes[topics.BEAT](Beat(time, number))
+        self.wires.takes[topics.BEAT](Beat(time, number, ("fleet manager",)))
 
     @property
     def heard(self) -> tuple[int, float]:
@@ -123,3 +126,17 @@ def test_a_hold_that_comes_between_two_beats_is_told(part: Part):
     part.hold = 2.5
     part.follower.tell(Beat(2.0, 0))
     assert part.heard == (1, 2.5)
+
+
+def test_a_beat_that_concerns_only_others_is_not_answered(part: Part):
+    answered = len(part.wires.said)
+    part.wires.takes[topics.BEAT](Beat(2.0, 1, ("another part",)))
+    assert len(part.wires.said) == answered
+    assert part.follower.now == 2.0
+
+
+def test_the_world_is_told_when_the_mind_reacts_to_other_events_than_before(part: Part):
+    mind: Any = part.follower.mind
+    mind.reacts_to = frozenset({EventType.GRABBED})
+    part.follower.tell(Beat(2.0, 0))
+    assert part.wires.said[-1].reacts == {EventType.GRABBED}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from dataclasses import replace
 from enum import Enum
 from typing import Any
 
@@ -93,6 +94,9 @@ events = st.builds(
 )  # fmt: skip
 visits = st.lists(st.builds(m.Visit, int32, moves, points), max_size=3).map(tuple)
 trips = st.builds(m.Trip, int64, int32, points, visits, points)
+drives = st.lists(st.tuples(place, place, time), max_size=4).map(
+    lambda drive: (tuple((x, y) for x, y, _ in drive), tuple(sorted(stamp for *_, stamp in drive)))
+)
 states = st.builds(m.TaskState, int64, st.sampled_from([m.DELIVER, m.STORE]), int32, int32, some_ints, some_ints, text)
 
 ONE_TO_ONE = {
@@ -113,12 +117,21 @@ ONE_TO_ONE = {
     "status of a bot": st.builds(
         m.BotStatus, time, int32, st.sampled_from(Phase), int32, st.none() | trips, int32, text
     ),
+    "status of a bot that drives": drives.map(
+        lambda drive: m.BotStatus(3.0, 4, Phase.DRIVING, -1, None, 0, "drives", *drive)
+    ),
     "letters to deliver": st.builds(m.DeliverGoal, int64, int32, int32, some_ints),
     "bundle to store": st.builds(m.StoreGoal, int64, int32, int32, int32, int32),
     "tasks": st.builds(m.Tasks, time, st.lists(states, max_size=3).map(tuple)),
-    "beat": st.builds(m.Beat, time, st.integers(0, 2**64 - 1)),
+    "beat": st.builds(m.Beat, time, st.integers(0, 2**64 - 1), st.lists(text, max_size=3).map(tuple)),
     "what a part has heard": st.builds(
-        m.Heard, text, st.integers(0, 2**64 - 1), time | st.just(math.inf), st.booleans()
+        m.Heard,
+        st.sampled_from(("word manager", "letter manager", "fleet manager", "bots 0-3,5")),
+        st.integers(0, 2**64 - 1),
+        time | st.just(math.inf),
+        st.frozensets(st.sampled_from(EventType)),
+        st.frozensets(st.integers(0, 2**31 - 1), max_size=3),
+        st.booleans(),
     ),
 }
 
@@ -193,13 +206,41 @@ def test_what_the_fleet_and_a_bot_say_to_each_other_arrives(
     assert wire.trip_goal(over_the_wire(wire.to_ros(m.TripGoal(7, trip))), 7) == m.TripGoal(7, trip)
     drive = m.DriveGoal(7, 12, corners)
     assert wire.drive_goal(over_the_wire(wire.to_ros(drive)), 7, 12) == drive
-    feedback = m.TripFeedback(7, trip.trip, phase, done, message)
-    assert wire.trip_feedback(over_the_wire(wire.to_ros(feedback)), 7, trip.trip) == feedback
+    feedback = over_the_wire(wire.to_ros(m.TripFeedback(7, trip.trip, phase, done, message)))
+    assert (feedback.phase, feedback.visits_done, feedback.message) == (phase.value, done, message)
 
 
-@given(layouts(), st.lists(st.floats(0, 1), max_size=5).map(tuple), int64)
-def test_the_scenario_arrives_whole(layout: Layout, profile: tuple[float, ...], run: int):
-    announcement = wire.Announcement(1.5, DEMO, layout, profile, run)
+orders = st.integers(0, wire.MOST_ORDERS - 1)
+
+
+@given(
+    st.builds(m.CancelDrive, int32, orders)
+    | st.builds(m.CancelTrip, int32, orders)
+    | st.builds(lambda bot, number, drive: m.DriveGoal(bot, number, *drive), int32, orders, drives)
+    | st.builds(lambda bot, number, trip: m.TripGoal(bot, replace(trip, trip=number)), int32, orders, trips),
+    int64,
+)
+def test_an_order_of_the_fleet_arrives(asked: m.DriveGoal | m.CancelDrive | m.TripGoal | m.CancelTrip, run: int):
+    order = over_the_wire(wire.to_order(asked, run))
+    assert (wire.from_ros(order), order.run) == (asked, run)
+
+
+@given(st.builds(m.DriveResult, int32, orders, st.sampled_from(Code), text)
+       | st.builds(m.TripResult, int32, orders, st.sampled_from(Code), text), int64)  # fmt: skip
+def test_the_outcome_of_an_order_arrives(result: m.DriveResult | m.TripResult, run: int):
+    outcome = over_the_wire(wire.to_outcome(result, run))
+    assert (wire.from_ros(outcome), outcome.run) == (result, run)
+
+
+@given(st.binary(max_size=300), int64, st.integers(0, 2**63))
+def test_a_checkpoint_arrives_whole(checkpoint: bytes, run: int, sequence: int):
+    state = m.WorldState(1.5, run, sequence, checkpoint)
+    assert wire.from_ros(over_the_wire(wire.to_ros(state))) == state
+
+
+@given(layouts(), st.lists(st.floats(0, 1), max_size=5).map(tuple), int64, st.integers(0, 2**63), st.floats(0, 1e6))
+def test_the_scenario_arrives_whole(layout: Layout, profile: tuple[float, ...], run: int, seed: int, warmup_s: float):
+    announcement = wire.Announcement(1.5, DEMO, layout, profile, run, seed, warmup_s)
     assert_alike(announcement, wire.from_ros(over_the_wire(wire.to_ros(announcement))))
 
 
@@ -248,6 +289,18 @@ NONSENSE = {
     "an event at no place": lambda: wire.from_ros(msg.Event(type="grabbed", x=math.nan)),
     "a code that nobody knows": lambda: wire.from_ros(msg.BotReply(code="maybe")),
     "a phase that nobody knows": lambda: wire.from_ros(msg.BotStatus(phase="dreaming")),
+    "an order that nobody knows": lambda: wire.from_ros(msg.Order(verb="dance")),
+    "an order of an absurd number": lambda: wire.from_ros(msg.Order(verb="drive", number=-1)),
+    "an order to drive nowhere": lambda: wire.from_ros(
+        msg.Order(verb="drive", points=[path_of(1, math.nan).poses[0].pose.position])
+    ),
+    "an order with another trip": lambda: wire.from_ros(msg.Order(verb="trip", number=3, trip=msg.Trip(trip=4))),
+    "an outcome of nothing": lambda: wire.from_ros(msg.Outcome(verb="dance", code="done")),
+    "an outcome that nobody knows": lambda: wire.from_ros(msg.Outcome(verb="drive", code="maybe")),
+    "a drive with a time too many": lambda: wire.from_ros(msg.BotStatus(phase="driving", stamps=[1.0])),
+    "a drive back in time": lambda: wire.from_ros(
+        msg.BotStatus(phase="driving", points=[pose.pose.position for pose in path_of(2).poses], stamps=[2.0, 1.0])
+    ),
     "poses of unequal length": lambda: wire.from_ros(bots_message(y=[0.0])),
     "poses at no place": lambda: wire.from_ros(bots_message(x=[math.nan] * 3)),
     "a state that nobody knows": lambda: wire.from_ros(bots_message(state=[9, 0, 0])),

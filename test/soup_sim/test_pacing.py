@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from soup_sim.pacing import LONGEST_STRIDE_S, Pacer
+from soup_sim.pacing import LONGEST_STRIDE_S, LONGEST_STRIDE_SIMULATED_S, Pacer
 
 
 def test_time_begins_with_the_first_look():
@@ -62,3 +62,10 @@ def test_time_never_goes_back_nor_beyond_the_end(speed: float, end: float, waits
         later = pacer.until(wall, now)
         assert now <= later <= max(end, now)
         now = later
+
+
+def test_a_world_without_a_limit_goes_on_by_whole_strides_whatever_the_wall_clock_says():
+    pacer = Pacer(math.inf, 100.0)
+    assert pacer.until(0.0, 0.0) == LONGEST_STRIDE_SIMULATED_S
+    assert pacer.until(0.0, LONGEST_STRIDE_SIMULATED_S) == 2.0 * LONGEST_STRIDE_SIMULATED_S
+    assert pacer.until(0.5, 99.0) == 100.0

@@ -182,6 +182,9 @@ class BotMind(Driver):
         self.place = reply.x, reply.y
         if reply.request in self._hands:
             return self._on_hand_reply(reply, now)
+        if self._inherited:
+            self._inherited = False
+            return self._idle(now)
         if self._request < 0 or reply.request != self._request:
             return []
         self._request = -1

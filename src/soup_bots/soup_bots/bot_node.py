@@ -64,25 +64,27 @@ class BotNode:
             ask: Hands a request to the mind; False while it cannot take any.
         """
         self.bot = bot
-        self._ask = ask
+        self._live, self._ask = live, ask
         self._node = node = live.node(topics.bot_node(bot), f"/{topics.bot_node(bot)}")
         self._cmd_vel = node.create_publisher(Twist, topics.CMD_VEL, COMMANDS)
         self._path = node.create_publisher(RosPath, topics.PATH, COMMANDS)
         self._status = node.create_publisher(msg.BotStatus, topics.STATUS, LATCHED)
         self._answers: dict[int, tuple[type, Answer]] = {}
         self._tokens = 0
-        serve(live, node, srv.Grab, topics.GRAB, self._on_grab)
-        serve(live, node, srv.Release, topics.RELEASE, self._on_release)
-        serve(live, node, srv.Transfer, topics.TRANSFER, self._on_transfer)
+        serve(live, node, srv.Grab, topics.GRAB, self._on_grab, COMMANDS)
+        serve(live, node, srv.Release, topics.RELEASE, self._on_release, COMMANDS)
+        serve(live, node, srv.Transfer, topics.TRANSFER, self._on_transfer, COMMANDS)
         self._trips: dict[int, list[ServerGoalHandle]] = {}
         self._trip_server = GoalServer(
             live, node, action.CarryTrip, topics.TRIP,
             accept=self._on_trip, cancel=self._cancel_trip, check=lambda goal: from_ros(goal.trip),
+            profile=COMMANDS,
         )  # fmt: skip
         self._drives: dict[int, ServerGoalHandle] = {}
         self._drive_server = GoalServer(
             live, node, action.Drive, topics.DRIVE,
             accept=self._on_drive, cancel=self._cancel_drive, check=lambda goal: drive_goal(goal, bot, 0),
+            profile=COMMANDS,
         )  # fmt: skip
 
     @property
@@ -100,15 +102,23 @@ class BotNode:
         """Publish a path."""
         self._path.publish(to_path(path))
 
-    def tell_status(self, status: BotStatus) -> None:
-        """Publish what the bot is doing."""
-        self._status.publish(to_ros(status))
+    def tell_status(self, status: BotStatus, run: int) -> None:
+        """Publish what the bot is doing, in a run of the world."""
+        message = to_ros(status)
+        message.run = run
+        self._status.publish(message)
 
     def answer(self, token: int, reply: BotReply) -> None:
         """Answer a request that was made by hand."""
         kind, answer = self._answers.pop(token, (None, None))
         if kind is not None and answer is not None:
             answer.give(fill_result(kind.Response(), reply.code, reply.message))
+
+    def close(self) -> None:
+        """Take the node out of the graph: another process has this bot's mind now."""
+        for kind, answer in self._answers.values():
+            answer.give(fill_result(kind.Response(), Code.STOPPED, "another process has taken over this bot"))
+        self._live.leave(self._node)
 
     def tell_trip(self, feedback: TripFeedback) -> None:
         """Publish how far a trip has come."""

@@ -7,7 +7,7 @@ what changes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from copy import deepcopy
 
 import numpy as np
@@ -43,6 +43,7 @@ SAME_VELOCITY = 0.02  # share of the maximum speed by which a velocity must chan
 TOLD_AFTER_S = 2.0  # a bot that stands this long on its way says why
 ASKS_AFTER_S = 3.0  # a bot that waits this long for an idle one asks it to make way
 _MOVING, _PENALISED = int(BotState.MOVING), int(BotState.PENALISED)  # members of an enumeration compare slowly
+_AT_WORK = frozenset({int(BotState.GRABBING), int(BotState.RELEASING), int(BotState.TRANSFERRING)})
 IDS_OF_ALL = (EventType.BOT_COLLISION, EventType.BUCKET_COLLISION)
 # the events that a crew has to hear; whatever carries its messages leaves out the others
 FOR_BOTS = frozenset(
@@ -55,6 +56,8 @@ FOR_BOTS = frozenset(
         EventType.TRANSFERRED,
     }
 )
+
+_REACTS_TO = frozenset({EventType.RESUMED, *IDS_OF_ALL})
 
 
 class Crew:
@@ -130,6 +133,11 @@ class Crew:
         return BotMind(bot, self._layout, retry_s=self.sense_period_s, penalty_s=self._penalty_s)
 
     @property
+    def reacts_to(self) -> frozenset[EventType]:
+        """What interrupts its bots; the rest are answers to what they asked for."""
+        return _REACTS_TO
+
+    @property
     def wants_to_sense(self) -> bool:
         """Whether any bot drives, and looks around while it does."""
         return self._steering.senses and bool(self._drivers)
@@ -180,12 +188,19 @@ class Crew:
         self.next_wake = min(self._alarms.values(), default=NEVER)
         return dead.last_words("its mind is gone")
 
-    def revive(self, bot: int, bucket: int, now: float) -> list[Message]:
-        """A new mind takes over a body that carries a bucket, -1 for none."""
+    def revive(self, bot: int, bucket: int, now: float, *, at_work: bool = False) -> list[Message]:
+        """A new mind takes over a body that carries a bucket, -1 for none, and may still be at work."""
         self.minds[bot] = mind = self._mind(bot)
         self.minds = dict(sorted(self.minds.items()))
         self._begun[bot] = mind.drives
-        return mind.begin(bucket, now)
+        return mind.begin(bucket, now, at_work=at_work)
+
+    def come_back(self, bots: Iterable[int], snapshot: Snapshot, now: float) -> list[Message]:
+        """New minds take over bodies as they were in a snapshot."""
+        bodies, out = snapshot.bots, []
+        for bot in bots:
+            out += self.revive(bot, int(bodies.bucket[bot]), now, at_work=int(bodies.state[bot]) in _AT_WORK)
+        return out
 
     def _begin(self, snapshot: Snapshot, now: float) -> list[Message]:
         out: list[Message] = []
@@ -193,7 +208,7 @@ class Crew:
         buckets = snapshot.bots.bucket
         for bot, mind in self.minds.items():
             if bot < len(buckets):
-                out += mind.begin(int(buckets[bot]), now)
+                out += mind.begin(int(buckets[bot]), now, at_work=int(snapshot.bots.state[bot]) in _AT_WORK)
         return out
 
     def _look_at(self, mind: BotMind, out: list[Message], now: float) -> None:

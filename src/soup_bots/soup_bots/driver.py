@@ -73,6 +73,7 @@ class Driver:
         self._text = "stands idle"
         self._reason = ""  # what the bot waits for
         self._hands: dict[int, tuple[int, Message]] = {}  # request by hand -> token, request
+        self._inherited = False  # the body still does what an earlier mind asked for
         self._pending = False  # a request of an operation (not a drive) is with the world
 
     # ---- what the crew needs ------------------------------------------------------------------------------
@@ -82,9 +83,20 @@ class Driver:
         """Whether the bot is to be steered now."""
         return self._step is Step.DRIVE and not self._struck and self.next_wake == NEVER
 
-    def begin(self, bucket: int, now: float) -> list[Message]:
-        """Learn from a snapshot what the bot carries; tell everybody what it is doing."""
+    def begin(self, bucket: int, now: float, *, at_work: bool = False) -> list[Message]:
+        """Learn from a snapshot what the bot carries; tell everybody what it is doing.
+
+        Args:
+            bucket: What it carries, -1 for none.
+            now: Simulated time (s).
+            at_work: Whether its body still does what a mind before this one asked for; the world will tell when it
+                has done it.
+        """
         self.bucket = bucket
+        if at_work and self.phase is Phase.IDLE:
+            self.phase = Phase.BY_HAND
+            self._text = "ends what it was asked for before"
+            self._inherited = True
         return [self._status(now)]
 
     def take_wheel(self) -> None:
@@ -158,7 +170,10 @@ class Driver:
         return f"{self._text}; {self._reason}" if self._reason else self._text
 
     def _status(self, now: float) -> BotStatus:
-        return BotStatus(now, self.bot, self.phase, self.bucket, self.trip, self._visits_done, self._message)
+        points = self.route if self.stamps else ()
+        return BotStatus(
+            now, self.bot, self.phase, self.bucket, self.trip, self._visits_done, self._message, points, self.stamps
+        )
 
     def _feedback(self) -> TripFeedback:
         return TripFeedback(self.bot, self._current_trip.trip, self.phase, self._visits_done, self._message)

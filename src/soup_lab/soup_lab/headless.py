@@ -14,13 +14,14 @@ from soup_bots.steering import KNOWN as STEERING
 from soup_bots.steering.base import Steering
 from soup_managers.explain import Explain, Sink
 from soup_managers.letter_manager import LetterManager
-from soup_managers.make_fleet import load_fleet, make_fleet
+from soup_managers.make_fleet import check_fleet, load_fleet, make_fleet
 from soup_managers.policies import LETTER, WORD, AnyFleet, LetterPolicy, WordPolicy
 from soup_managers.view import WarehouseView
 from soup_managers.word_manager import WordManager
 from soup_msgs_py import messages as m
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, load_policy
+from soup_msgs_py.scenario import Scenario
 from soup_sim.world import World
 
 EventSink = Callable[[m.Event], None]
@@ -36,18 +37,21 @@ class Minds:
     bot: Steering
 
 
-def make_minds(policies: Policies) -> Minds:
+def make_minds(policies: Policies, scenario: Scenario | None = None) -> Minds:
     """Make the policies that a run names.
 
     Raises:
-        InputError: A policy does not exist or its options do not fit.
+        InputError: A policy does not exist, its options do not fit, or it is not made for the scenario.
     """
-    return Minds(
+    minds = Minds(
         word=load_policy(policies.word, "word", WORD, WordPolicy),
         letter=load_policy(policies.letter, "letter", LETTER, LetterPolicy),
         fleet=load_fleet(policies.fleet),
         bot=load_policy(policies.bot, "bot", STEERING, Steering),
     )
+    if scenario is not None:
+        check_fleet(minds.fleet, scenario)
+    return minds
 
 
 class Headless:
@@ -85,7 +89,7 @@ class Headless:
         self._next_sense = 0.0
         snapshot = self.world.snapshot()
         for mind in self._all:
-            self._say(mind, mind.handle(snapshot, 0.0))
+            self._say(mind, mind.handle(snapshot, world.now))
         self._carry()
 
     def run(self, until: float) -> None:

@@ -15,25 +15,35 @@ from soup_lab.headless import Headless, make_minds
 from soup_lab.runs import RunPlan, Summary, combine, open_log, run_many, run_once
 from soup_msgs_py import arguments as args
 from soup_msgs_py.errors import InputError, RunError
-from soup_msgs_py.policies import ROLES, load_policies
+from soup_msgs_py.policies import ROLES, load_policies, usual_policies
 from soup_sim.setup import load_warehouse
 from soup_sim.summary import table, write_summary
+from soup_sim.world import World
 
 ROOT = Path(__file__).resolve().parents[3]
+SCENARIO = ROOT / "config/scenarios/demo.yaml"
+POLICIES = ROOT / "config/policies/best.yaml"
 DEFAULT_DURATION_S = 3600.0
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = args.Parser("Run a warehouse in one process, as fast as the machine can.")
-    args.add_scenario(parser, ROOT / "config/scenarios/demo.yaml")
-    args.add_policies(parser, ROOT / "config/policies/best.yaml", ROLES)
+    args.add_scenario(parser, SCENARIO)
+    args.add_policies(parser, None, ROLES)
     args.add_run(parser)
     args.add_explain(parser)
     parser.add_argument("--replications", type=args.replications, default=1, metavar="N", help="runs with other seeds")
     parser.add_argument("--processes", type=args.processes, metavar="N", help="runs at once; without: one a core")
+    parser.add_argument("--from-bag", type=Path, metavar="DIR", help="run on from a moment of a bag: what if ...")
+    parser.add_argument("--at", type=args.not_negative, metavar="T", help="that moment (simulated s)")
     args.add_live_only(parser)
     parsed = parser.parse_args(argv)
+    if (parsed.from_bag is None) != (parsed.at is None):
+        parser.error("--from-bag: found one of --from-bag and --at; allowed: both")
+    if parsed.from_bag is not None:
+        return _from_bag(parser, parsed)
+    parsed.policies = parsed.policies or usual_policies(POLICIES, parsed.scenario)
     parsed.duration = parsed.duration or DEFAULT_DURATION_S
     args.check_run(parser, parsed)
     for name in ("event_log", "explain"):
@@ -42,14 +52,25 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     return parsed
 
 
+def _from_bag(parser: args.Parser, parsed: argparse.Namespace) -> argparse.Namespace:
+    """Check what goes together with a bag, which says itself what warehouse it is."""
+    if parsed.set or parsed.scenario != SCENARIO or parsed.replications > 1 or parsed.warmup:
+        parser.error("--from-bag: found --scenario, --set, --warmup or --replications; allowed: what the bag has")
+    if parsed.duration is not None and parsed.duration <= parsed.at:
+        parser.error(f"--duration: found {parsed.duration:g}; allowed: more than --at {parsed.at:g}")
+    return parsed
+
+
 def main(argv: list[str] | None = None) -> int:
     """Run, print the table, write the summary; the exit status."""
     options = parse(argv)
     console = Console(stderr=True)
+    if options.from_bag is not None:
+        return _what_if(options, console)
     try:
         policies = load_policies(options.policies, {role: getattr(options, f"{role}_policy") for role in ROLES})
         warehouse = load_warehouse(options.scenario, options.set)
-        make_minds(policies)
+        make_minds(policies, warehouse.scenario)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
@@ -57,6 +78,9 @@ def main(argv: list[str] | None = None) -> int:
     plan = RunPlan(warehouse, policies, options.duration, options.warmup)
     try:
         summary = _one(plan, options, console) if options.replications == 1 else _several(plan, options, console)
+    except InputError as error:  # of a world of cells that has no plan
+        print(error, file=sys.stderr)
+        return 2
     except RunError as error:
         print(error, file=sys.stderr)
         return 1
@@ -68,7 +92,40 @@ def main(argv: list[str] | None = None) -> int:
     return 0 if summary["violations"] == 0 else 1
 
 
-def _one(plan: RunPlan, options: argparse.Namespace, console: Console) -> Summary:
+def _what_if(options: argparse.Namespace, console: Console) -> int:
+    """Run on from a bag, and show what came of it beside what was recorded."""
+    # a run without a bag needs no ROS
+    from soup_lab.bag_reader import open_bag
+    from soup_lab.bag_what_if import beside, take_moment
+
+    try:
+        overrides = {role: getattr(options, f"{role}_policy") for role in ROLES}
+        with open_bag(options.from_bag.absolute()) as bag:
+            moment = take_moment(bag, options.at, options.duration)
+        policies = load_policies(options.policies or POLICIES, overrides)
+        if options.policies is None:
+            policies = moment.policies(policies, overrides)
+        make_minds(policies)
+        world = moment.world()
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    begin, end = world.now, options.duration or moment.course.last
+    console.print(f"goes on from {begin:g} s, the newest checkpoint; all bots first come to rest", highlight=False)
+    options.duration, options.seed = end, options.seed or moment.announcement.seed
+    plan = RunPlan(moment.warehouse, policies, end)
+    try:
+        summary = _one(plan, options, console, world)
+    except KeyboardInterrupt:
+        print("stopped before the end; no summary", file=sys.stderr)
+        return 130
+    Console().print(beside(moment.original(), summary, max(begin, moment.announcement.warmup_s)))
+    if options.summary is not None:
+        write_summary(options.summary, summary)
+    return 0 if summary["violations"] == 0 else 1
+
+
+def _one(plan: RunPlan, options: argparse.Namespace, console: Console, world: World | None = None) -> Summary:
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),
@@ -86,8 +143,9 @@ def _one(plan: RunPlan, options: argparse.Namespace, console: Console) -> Summar
         def show(run: Headless) -> None:
             bar.update(task, completed=run.world.now)
 
-        summary = run_once(plan, options.seed, log, show, decisions)
-    Console().print(table(summary))
+        summary = run_once(plan, options.seed, log, show, decisions, world)
+    if world is None:
+        Console().print(table(summary))
     return summary
 
 

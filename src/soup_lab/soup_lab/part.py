@@ -1,18 +1,18 @@
-"""Runs one part of a warehouse as a child of the program that started it.
-
-`python -m soup_lab.part MODULE ARGUMENT...`: the part ends with its starter, even when that one is killed.
-"""
+"""One part of a warehouse as a child of the program that started it: it ends when that ends, however that is."""
 
 from __future__ import annotations
 
 import ctypes
+import importlib
+import multiprocessing
 import os
-import runpy
 import signal
 import sys
+import traceback
+from pathlib import Path
 
 PR_SET_PDEATHSIG = 1
-STARTER = "SOUP_STARTER"  # environment variable: process number of the starter
+PR_SET_NAME = 15
 
 
 def end_with(starter: int, number: signal.Signals) -> None:
@@ -22,13 +22,35 @@ def end_with(starter: int, number: signal.Signals) -> None:
         os._exit(1)
 
 
-def main() -> None:
-    """Bind this process to its starter, then become the part."""
-    end_with(int(os.environ[STARTER]), signal.SIGTERM)
-    module, *arguments = sys.argv[1:]
+def become(name: str, module: str, arguments: tuple[str, ...], errors: Path, environment: dict[str, str]) -> None:
+    """Bind this process, which was forked for a part, to its starter, then be the part.
+
+    Args:
+        name: Of the part; `ps` shows it.
+        module: Its program: a module with a function `main`.
+        arguments: Its command line.
+        errors: Where its stderr goes.
+        environment: Its environment variables.
+    """
+    os.setsid()  # a Ctrl-C reaches only the starter
+    end_with(os.getppid(), signal.SIGTERM)
+    starter = multiprocessing.parent_process()
+    if starter is None or not starter.is_alive():
+        os._exit(1)
+    ctypes.CDLL(None).prctl(PR_SET_NAME, name.encode()[:15], 0, 0, 0)
+    nothing = os.open(os.devnull, os.O_WRONLY)
+    words = os.open(errors, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+    os.dup2(nothing, 1)
+    os.dup2(words, 2)
+    os.environ.clear()
+    os.environ.update(environment)
     sys.argv = [module, *arguments]
-    runpy.run_module(module, run_name="__main__", alter_sys=True)
-
-
-if __name__ == "__main__":
-    main()
+    try:
+        status = importlib.import_module(module).main(arguments)
+    except SystemExit as error:
+        status = error.code if isinstance(error.code, int) else 1
+    except BaseException:
+        traceback.print_exc()
+        status = 1
+    # a child of multiprocessing would leave without giving back what DDS has in shared memory
+    ctypes.pythonapi.Py_Exit(status or 0)

@@ -16,8 +16,8 @@ from soup_lab.plan_picture import draw_plan
 from soup_managers.planners.check import check_plan, draw, play
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import RULES, Answer, Task
-from soup_managers.planners.world import read_world
 from soup_msgs_py import arguments as args
+from soup_msgs_py.cell_world import read_world
 from soup_msgs_py.errors import InputError
 from soup_sim.summary import write_summary
 
@@ -31,7 +31,10 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     parser.add_argument("world", type=Path, metavar="WORLD.txt", help="@ robot, * box, | empty shelf, # full, _ floor")
     parser.add_argument("--planner", choices=PLANNERS, default="optimal")
     parser.add_argument(
-        "--rules", choices=RULES, default="default", help="paper: no waiting, and off the shelves at last"
+        "--rules",
+        choices=RULES,
+        default="default",
+        help="paper: no waiting, off the shelves at last; fleet: no box over another",
     )
     parser.add_argument(
         "--weight", type=args.not_negative, default=1.0, metavar="W", help="of the paper's planners' heuristic"
@@ -65,7 +68,8 @@ def main(argv: list[str] | None = None) -> int:
         return 130
     if answer.plans is not None:
         may_wait = task.rules.may_wait or options.planner == "single-action"
-        check_plan(world, answer.plans, may_wait=may_wait, must_leave=task.rules.must_leave)
+        rules = task.rules
+        check_plan(world, answer.plans, may_wait=may_wait, must_leave=rules.must_leave, carries_over=rules.carries_over)
     summary = figures(options, answer, len(world.robots), len(world.boxes))
     _print(summary, answer)
     if options.summary is not None:

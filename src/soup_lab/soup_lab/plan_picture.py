@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from soup_managers.planners.check import Picture, play
-from soup_managers.planners.world import World
+from soup_msgs_py.cell_world import World
 
 INCHES_A_CELL = 0.3
 FRAMES_A_SECOND = 4

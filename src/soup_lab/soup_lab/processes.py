@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
+import multiprocessing
 import os
 import signal
-import subprocess
-import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import IO
+from multiprocessing import forkserver
+from multiprocessing.context import ForkServerProcess
+from pathlib import Path
 
-from soup_lab.part import STARTER
+from soup_lab.part import become
 from soup_msgs_py.live.process import Lateness
+from soup_msgs_py.live.shared_memory import remove_unused, used_by
 
 GRACE_S = 2.8  # to end in order; then killed. Parts give up by themselves before
 LOOK_S = 0.05
@@ -28,35 +28,55 @@ class Part:
         name: As it calls itself in its reports.
         module: What it runs.
         arguments: Its command line.
+        again: What to add to it when the part is started again.
+        needed: Whether the run cannot go on without it.
     """
 
     name: str
     module: str
     arguments: tuple[str, ...] = ()
+    again: tuple[str, ...] = ()
+    needed: bool = True
+
+
+def load_ahead() -> None:
+    """Begin to load what all parts need, in a process of its own, from which they are forked later."""
+    multiprocessing.get_context("forkserver").set_forkserver_preload(["soup_lab.bound", "soup_lab.preload"])
+    forkserver.ensure_running()
 
 
 class Processes:
-    """Running parts, each in a process group of its own, so that a Ctrl-C reaches only the starter."""
+    """Running parts, each in a session of its own, so that a Ctrl-C reaches only the starter."""
 
-    def __init__(self) -> None:
-        self._running: dict[str, tuple[subprocess.Popen[bytes], IO[bytes]]] = {}
+    def __init__(self, folder: Path) -> None:
+        """Begin with none.
+
+        Args:
+            folder: Where what they write to stderr is kept.
+        """
+        self._folder = folder
+        self._running: dict[str, tuple[ForkServerProcess, Path]] = {}
+        self._started = 0
+        self._memory: set[Path] = set()  # files in shared memory that parts used
+        load_ahead()
 
     def start(self, part: Part) -> None:
-        """Start a part."""
-        errors = tempfile.TemporaryFile()  # noqa: SIM115 (as long as the process)
-        process = subprocess.Popen(
-            [sys.executable, "-m", "soup_lab.part", part.module, *part.arguments],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=errors,
-            env={**os.environ, STARTER: str(os.getpid())},
-            start_new_session=True,
+        """Start a part; one of that name that has ended is forgotten."""
+        self._started += 1
+        errors = self._folder / f"errors-{self._started}"
+        process = multiprocessing.get_context("forkserver").Process(
+            target=become, args=(part.name, part.module, part.arguments, errors, dict(os.environ)), name=part.name
         )
+        process.start()
         self._running[part.name] = process, errors
 
+    def number(self, name: str) -> int:
+        """Process number of a part."""
+        return self._running[name][0].pid or 0
+
     def status(self, name: str) -> int | None:
-        """Exit status of a part, None while it runs."""
-        return self._running[name][0].poll()
+        """Exit status of a part, None while it runs; a signal that killed it is negative."""
+        return self._running[name][0].exitcode
 
     def dead(self) -> list[str]:
         """Names of the parts that have ended."""
@@ -64,14 +84,13 @@ class Processes:
 
     def last_words(self, name: str) -> str:
         """How a part ended and the last line that it wrote to stderr."""
-        process, errors = self._running[name]
-        status = process.poll()
+        _, errors = self._running[name]
+        status = self.status(name)
         how = (
             f"was killed by {signal.Signals(-status).name}" if status and status < 0 else f"ended with status {status}"
         )
-        errors.seek(0, os.SEEK_END)
-        errors.seek(max(0, errors.tell() - LAST_BYTES))
-        lines = errors.read().decode(errors="replace").split("\n")
+        said = errors.read_bytes()[-LAST_BYTES:] if errors.exists() else b""
+        lines = said.decode(errors="replace").split("\n")
         last = next((line.strip() for line in reversed(lines) if line.strip()), "it said nothing")
         return f"{how}: {last}"
 
@@ -79,17 +98,19 @@ class Processes:
         """Ask parts to end (all without names), kill what does not; names of those that had to be killed."""
         chosen = list(self._running) if names is None else list(names)
         for name in chosen:
+            self._memory |= used_by(self.number(name))
+        for name in chosen:
             if self.status(name) is None:
-                self._running[name][0].send_signal(signal.SIGINT)
-        late = {name: Lateness(self._running[name][0].pid) for name in chosen}
+                os.kill(self.number(name), signal.SIGINT)
+        late = {name: Lateness(self.number(name)) for name in chosen}
         killed = []
         for name in chosen:
             process, _ = self._running[name]
-            while process.poll() is None and late[name].seconds() < GRACE_S:
-                with contextlib.suppress(subprocess.TimeoutExpired):
-                    process.wait(LOOK_S)
-            if process.poll() is None:
+            while process.exitcode is None and late[name].seconds() < GRACE_S:
+                process.join(LOOK_S)
+            if process.exitcode is None:
                 process.kill()
-                process.wait()
+                process.join()
                 killed.append(name)
+        remove_unused(self._memory)
         return killed

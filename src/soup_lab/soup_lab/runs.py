@@ -17,10 +17,12 @@ from soup_lab.headless import Headless
 from soup_managers.explain import write_lines
 from soup_msgs_py.messages import Event
 from soup_msgs_py.policies import Policies
+from soup_sim.checkpoint import come_to_rest
 from soup_sim.event_log import EventLog
 from soup_sim.setup import Warehouse
 from soup_sim.summary import make_summary
 from soup_sim.validate import Judge
+from soup_sim.world import World
 
 JUDGED_EVERY_S = 10.0  # simulated seconds between two looks of the judge at all places
 Progress = Callable[[Headless], None]
@@ -43,6 +45,7 @@ def run_once(
     event_log: IO[str] | None = None,
     progress: Progress | None = None,
     explain: IO[str] | None = None,
+    world: World | None = None,
 ) -> Summary:
     """Run a warehouse in this process and judge it.
 
@@ -52,6 +55,7 @@ def run_once(
         event_log: Where to write events as JSON lines.
         progress: Called every few simulated seconds.
         explain: Where to write the managers' decisions as JSON lines.
+        world: A world to go on with, as a checkpoint restored it; without: a new one.
 
     Returns:
         The summary.
@@ -66,10 +70,15 @@ def run_once(
             log(event)
 
     started = time.perf_counter()
-    world = warehouse.world(seed, plan.warmup_s)
+    restored = world is not None
+    world = world or warehouse.world(seed, plan.warmup_s)
     judges.append(Judge(warehouse.scenario, warehouse.layout, world.snapshot()))
+    if restored:
+        for said in come_to_rest(world):
+            if isinstance(said, Event):
+                on_event(said)
     run = Headless(world, plan.policies, seed, on_event, write_lines(explain) if explain is not None else None)
-    now = 0.0
+    now = world.now
     while now < plan.duration_s:
         now = min(now + JUDGED_EVERY_S, plan.duration_s)
         run.run(now)

@@ -18,45 +18,50 @@ from rich.console import Console
 from soup_msgs import msg
 from std_srvs.srv import SetBool
 
+from soup_lab.bag_record_node import COMPLETE, LEAST_FREE_MIB, MIB, check_room
+from soup_lab.bag_record_node import NAME as RECORDER
 from soup_lab.headless import make_minds
 from soup_lab.processes import Part, Processes
+from soup_lab.progress import ProgressLine
+from soup_lab.supervisor_node import WORLD, Supervisor
 from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
-from soup_msgs_py.errors import RunError
+from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import WAITS, PartsWatch
-from soup_msgs_py.policies import ROLES, load_policies
+from soup_msgs_py.policies import ROLES, load_policies, usual_policies
 from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
 from soup_sim.setup import load_warehouse
 from soup_sim.summary import table, write_summary
 
-WORLD = "world"
 FLEET = "fleet manager"
 OTHERS = 5  # processes besides the bots'
 BOTS_A_PROCESS = 64  # where the machine has that many cores
 READY_S, READY_A_BOT_S = 400.0, 0.5  # the longest start: code is compiled in the first one
+SETTLED_S = 0.5  # wall time for all to have found each other
 SLOW = 0.9  # share of the speed that was asked for below which a run is slow
-PLAIN_PROGRESS_S = 10.0  # between two lines where no terminal is
 
 
 def parse(argv: Sequence[str] | None, scenario: Path | None, policies: Path | None) -> argparse.Namespace:
     """Read the command line."""
     parser = args.Parser("Run a live warehouse: world, bots and managers as ROS 2 nodes in their own processes.")
     args.add_scenario(parser, scenario)
-    args.add_policies(parser, policies, ROLES)
+    args.add_policies(parser, None, ROLES)
     args.add_run(parser)
     args.add_explain(parser)
     args.add_speed(parser)
     parser.add_argument("--bot-processes", type=args.processes, metavar="N", help="processes that share the bots")
     parser.add_argument("--no-dashboard", action="store_true", help="without the browser page")
     parser.add_argument("--port", type=args.port, default=8080, help="of the browser page")
-    parser.add_argument("--record", metavar="DIR", help="comes later")
+    parser.add_argument("--record", type=Path, metavar="DIR", help="record all topics into a new rosbag2 bag")
+    args.add_checkpoint(parser)
     options = parser.parse_args(argv)
+    if options.policies is None and policies is not None:
+        options.policies = usual_policies(policies, options.scenario)
     args.check_run(parser, options)
-    if options.record is not None:
-        parser.error("--record: comes later; allowed: a run without it")
+    args.check_checkpoint(parser, options)
     return options
 
 
@@ -75,7 +80,14 @@ def run(options: argparse.Namespace) -> int:
     """
     policies = load_policies(options.policies, {role: getattr(options, f"{role}_policy") for role in ROLES})
     warehouse = load_warehouse(options.scenario, options.set)
-    make_minds(policies)
+    make_minds(policies, warehouse.scenario)
+    if options.record is not None:
+        options.record = options.record.absolute()
+        if options.record.exists():
+            raise InputError(
+                "--record", "", f"{options.record}, which is there already", "a folder that is not there yet"
+            )
+        check_room(options.record, LEAST_FREE_MIB * MIB)
     if not options.no_dashboard:
         args.refuse_port_in_use(options.port)
     bots = warehouse.scenario.bots
@@ -89,8 +101,8 @@ def run(options: argparse.Namespace) -> int:
             return 130
         console.print(f"words: {warehouse.words.describe()}", highlight=False)
         summary_file = Path(folder) / "summary.json"
-        parts = make_parts(options, groups, summary_file)
-        processes = Processes()
+        parts = make_parts(options, groups, Path(folder), summary_file)
+        processes = Processes(Path(folder))
         show = Progress(console, options.duration, options.speed)
         try:
             watch = PartsWatch(live, node)
@@ -101,15 +113,14 @@ def run(options: argparse.Namespace) -> int:
             live.subscribe(node, msg.Statistics, topics.STATISTICS, show_figures, DISPLAY)
             if options.explain is not None:
                 options.explain.write_text("", encoding="utf-8")  # the managers append to it
-            for part in parts:
-                processes.start(part)
-            get_ready(live, node, processes, watch, [part.name for part in parts], bots)
-            live.spin(lambda: bool(processes.dead()))
-            show.close()
-            if not live.stopping and processes.status(WORLD) != 0:
-                raise RunError(obituary(processes))
+            supervisor = Supervisor(live, node, processes, parts, show.tell)
+            get_ready(live, node, watch, [part.name for part in parts], bots)
+            supervisor.settled = True
+            live.spin(lambda: supervisor.over)
         finally:
             show.close()
+            # the recorder last: it hears what the others say at their end
+            processes.end([part.name for part in parts if part.name != RECORDER])
             processes.end()
         if not summary_file.exists():
             raise RunError(f"{WORLD} {processes.last_words(WORLD)}")
@@ -130,16 +141,26 @@ def bot_groups(bots: int, processes: int | None) -> list[tuple[int, ...]]:
     return [tuple(range(low, high)) for low, high in pairwise(edges)]
 
 
-def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], summary: Path) -> list[Part]:
-    """All processes of the warehouse."""
+def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], folder: Path, summary: Path) -> list[Part]:
+    """All processes of the warehouse; the world keeps its checkpoints in a folder where nobody names another."""
     world = ["--scenario", str(options.scenario), "--summary", str(summary), "--paused"]
-    world += ["--speed", repr(options.speed), "--warmup", repr(options.warmup), "--seed", str(options.seed)]
+    speed = "max" if math.isinf(options.speed) else repr(options.speed)
+    world += ["--speed", speed, "--warmup", repr(options.warmup), "--seed", str(options.seed)]
+    world += ["--checkpoint", str(options.checkpoint or folder)]
+    if options.every is not None:
+        world += ["--every", repr(options.every)]
+    if options.restore:
+        world += ["--restore"]
     world += [f"--set={override}" for override in options.set]
     if options.duration is not None:
         world += ["--duration", repr(options.duration)]
     if options.event_log is not None:
         world += ["--event-log", str(options.event_log)]
-    parts = [Part(WORLD, "soup_sim.world_node", tuple(world))]
+    parts = []
+    if options.record is not None:  # the first one, so that it hears all
+        arguments = (str(options.record),)
+        parts.append(Part(RECORDER, "soup_lab.bag_record_node", arguments, again=("--go-on",), needed=False))
+    parts.append(Part(WORLD, "soup_sim.world_node", tuple(world), again=("--restore",)))
     explain = ("--explain", str(options.explain)) if options.explain is not None else ()
     for role in ("word", "letter", "fleet"):
         module = f"soup_managers.{role}_manager_node"
@@ -164,18 +185,22 @@ def policy_arguments(options: argparse.Namespace, role: str) -> tuple[str, ...]:
     return tuple(arguments)
 
 
-def get_ready(live: Live, node: Any, processes: Processes, watch: PartsWatch, names: list[str], bots: int) -> None:
+def get_ready(live: Live, node: Any, watch: PartsWatch, names: list[str], bots: int) -> None:
     """Wait until every part is at work, then let time go on, so that all runs begin alike.
 
     Raises:
         RunError: A part died, or takes too long.
     """
+    since = float("inf")
 
     def ready() -> bool:
-        if processes.dead():
-            raise RunError(obituary(processes))
+        nonlocal since
         fleet = watch.at_work.get(FLEET, {})
-        return all(name in watch.at_work for name in names) and fleet.get("bots") == str(bots)
+        if not all(name in watch.at_work for name in names) or fleet.get("bots") != str(bots):
+            return False
+        since = min(since, time.time())
+        # topics that have just come to be are to be recorded from their first message on
+        return RECORDER not in names or float(watch.at_work[RECORDER][COMPLETE]) > since + SETTLED_S
 
     if not live.spin(ready, READY_S + READY_A_BOT_S * bots):
         if live.stopping:
@@ -189,13 +214,8 @@ def get_ready(live: Live, node: Any, processes: Processes, watch: PartsWatch, na
         raise RunError("the world does not answer")
 
 
-def obituary(processes: Processes) -> str:
-    """Which part died, and why."""
-    return "; ".join(f"{name} {processes.last_words(name)}" for name in processes.dead())
-
-
 class Progress:
-    """The line that tells how the run goes: rewritten on a terminal, now and then a new one elsewhere."""
+    """Tells how the run goes."""
 
     def __init__(self, console: Console, duration: float | None, speed: float) -> None:
         """Begin with nothing shown.
@@ -207,29 +227,27 @@ class Progress:
         """
         self._console, self._speed = console, speed
         self._of = f" of {duration:,.0f}" if duration is not None else ""
-        self._status = console.status("the parts are starting") if console.is_terminal else None
-        self._next = 0.0
-        if self._status is not None:
-            self._status.start()
+        self._line = ProgressLine(console, "the parts are starting")
 
     def __call__(self, figures: dict[str, float | int], waits: str) -> None:
         """Show the newest figures; of a run that is slow also how much the world waits, and for whom."""
-        slow = f" of {self._speed:g}, waits {waits}" if figures["real_time_factor"] < SLOW * self._speed else ""
+        asked = "max" if math.isinf(self._speed) else f"{self._speed:g}"
+        slow = f" of {asked}, waits {waits}" if figures["real_time_factor"] < SLOW * self._speed else ""
         line = (
             f"{figures['sim_seconds']:,.0f}{self._of} s · words {figures['words_completed']} · letters "
             f"{figures['letters_in_words']} · collisions {figures['bot_collisions']} + "
             f"{figures['bucket_collisions']} · real-time factor {figures['real_time_factor']:.2f}{slow}"
         )
-        if self._status is not None:
-            self._status.update(line)
-        elif time.monotonic() >= self._next and figures["sim_seconds"] > 0:
-            self._next = time.monotonic() + PLAIN_PROGRESS_S
-            self._console.print(line, highlight=False)
+        if self._console.is_terminal or figures["sim_seconds"] > 0:
+            self._line.tell(line)
+
+    def tell(self, line: str) -> None:
+        """Show a line of its own: something happened."""
+        self._console.print(line, highlight=False)
 
     def close(self) -> None:
         """Take the line away. Can be called twice."""
-        if self._status is not None:
-            self._status.stop()
+        self._line.close()
 
 
 if __name__ == "__main__":

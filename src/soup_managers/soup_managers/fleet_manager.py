@@ -87,6 +87,11 @@ class FleetManager(Manager):
             Bots: self._handle_bots,
         }
 
+    @property
+    def stalled(self) -> dict[int, str]:
+        """Bots that say that they are idle though they are on a trip."""
+        return dict.fromkeys(sorted(self._doubted), "does not answer")
+
     def tasks(self) -> tuple[TaskState, ...]:
         """The fleet's list of tasks, in the order of their arrival."""
         bots: dict[Key, list[int]] = {}

@@ -1,25 +1,27 @@
-"""The fleet manager's node: serves the fleet's two actions, and asks each bot for trips."""
+"""The fleet manager's node: serves the fleet's two actions, and asks bots for drives and trips."""
 
 from __future__ import annotations
 
 import sys
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from rclpy.action.server import ServerGoalHandle
-from rclpy.serialization import deserialize_message
 from soup_msgs import action, msg, srv
 
 from soup_managers.departures import Departures
 from soup_managers.explain import Explain
 from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
+from soup_managers.orders_node import Orders
 from soup_managers.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code, Phase
-from soup_msgs_py.live.actions import GoalClient, GoalServer
+from soup_msgs_py.live.actions import GoalServer
+from soup_msgs_py.live.charge import InCharge
 from soup_msgs_py.live.follower import Follower
 from soup_msgs_py.live.process import Live
 from soup_msgs_py.live.report import Report
@@ -44,18 +46,19 @@ from soup_msgs_py.messages import (
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import PolicyChoice
 from soup_msgs_py.qos import DISPLAY, LATCHED
-from soup_msgs_py.wire import Announcement, from_ros, to_ros, trip_feedback
+from soup_msgs_py.wire import Announcement, MalformedMessage, from_cdr, from_ros, to_ros
 
 TASKS_PERIOD_S = 0.5
 NOT_YET = "the fleet manager waits for the world"
 LOOK_AT_BOTS_S = 0.2
-LEAD_S = 0.05  # wall time that a drive needs from the fleet over its bot to the world, with room
+LONGEST_AGE_S = 0.1  # wall time; the clock ticks more often
+LEAD_S = 0.08  # wall time that a drive needs from the fleet over its bot to the world, with room
 
 
 class FleetManagerNode:
     """Node `/fleet_manager`."""
 
-    def __init__(self, live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> None:
+    def __init__(self, live: Live, choice: PolicyChoice, seed: int, explain: Explain, take_over: bool) -> None:
         """Make the node; the bots are looked for when the world has told how many there are.
 
         Args:
@@ -63,6 +66,7 @@ class FleetManagerNode:
             choice: The fleet policy.
             seed: Seed of its random numbers.
             explain: Is told its decisions.
+            take_over: Whether to ask another fleet manager to hand over.
         """
         self._live, self._choice, self._seed, self._explain = live, choice, seed, explain
         self._node = node = live.node(topics.FLEET_MANAGER_NODE)
@@ -71,16 +75,14 @@ class FleetManagerNode:
         self._bound = node.create_publisher(msg.Bound, topics.BOUND, LATCHED)
         self._fleet: Fleet | None = None
         self._published: tuple[TaskState, ...] | None = None
+        self._speed = 1.0  # simulated seconds a wall second
         self._looked: tuple[float, float] | None = None  # wall and simulated time of the last look
-        self._servers = {
-            DELIVER: self._serve(DELIVER, action.DeliverLetters, topics.DELIVER_LETTERS),
-            STORE: self._serve(STORE, action.StoreBundle, topics.STORE_BUNDLE),
-        }
+        self._servers: dict[str, GoalServer] = {}
         self._goals: dict[tuple[str, int], list[ServerGoalHandle]] = {}
-        self._bots: dict[int, GoalClient] = {}
-        self._drives: dict[int, GoalClient] = {}
-        self._newest: dict[int, BotStatus] = {}
-        self._silent: dict[int, BotStatus] = {}  # newest status of bots whose trip action is not seen yet
+        self._orders = Orders(live, node, lambda: self._follower.run, self._on_result)
+        self._bots = 0  # whose statuses are followed
+        self._newest: dict[int, tuple[int, BotStatus]] = {}  # with the run that it is of
+        self._silent: set[int] = set()  # bots that have spoken, but may not hear yet
         self._known: set[int] = set()
         self._departures = Departures()
         self._is_new = False  # another world has begun, and its fleet is not told yet what came before it
@@ -89,16 +91,17 @@ class FleetManagerNode:
         self._carriers: dict[type, Callable[[Any], None]] = {
             TaskFeedback: self._tell_task,
             TaskResult: self._end_task,
-            TripGoal: self._ask_bot,
+            TripGoal: self._orders.ask,
             DriveGoal: self._ask_to_drive,
             Bound: lambda m: self._bound.publish(to_ros(m)),
-            CancelTrip: lambda m: self._bots[m.bot].cancel(m.trip),
-            CancelDrive: lambda m: self._drives[m.bot].cancel(m.drive),
+            CancelTrip: self._orders.cancel,
+            CancelDrive: self._orders.cancel,
             SetStorageSpot: self._ask_world,
         }
+        self._charge = InCharge(live, node, self._report, choice.name, take_over=take_over, begin=self._begin)
         self._follower = Follower(
-            live, node, self._report, self._make_mind, self._carry, lambda: "",
-            holds=lambda: self._departures.earliest(time.monotonic()),
+            live, node, self._report, self._make_mind, self._carry, lambda: self._charge.missing,
+            holds=lambda: self._departures.earliest(time.monotonic()), prepare=self._set_lead,
         )  # fmt: skip
         live.subscribe(node, msg.Bots, topics.BOTS, self._on_poses, DISPLAY, raw=True)
         self._poses = b""
@@ -106,12 +109,14 @@ class FleetManagerNode:
         live.every(LOOK_AT_BOTS_S, self._look_at_bots)
 
     def _make_mind(self, world: Announcement) -> Fleet:
-        for bot in range(len(self._bots), world.scenario.bots):
+        for bot in range(self._bots, world.scenario.bots):
             status = topics.bot_topic(bot, topics.STATUS)
-            signs = self._live.follow(self._node, msg.BotStatus, status, self._on_status, LATCHED).get_publisher_count
-            trip, drive = topics.bot_topic(bot, topics.TRIP), topics.bot_topic(bot, topics.DRIVE)
-            self._bots[bot] = GoalClient(self._live, self._node, action.CarryTrip, trip, signs)
-            self._drives[bot] = GoalClient(self._live, self._node, action.Drive, drive, signs)
+            take = partial(self._on_status, bot)
+            self._orders.follow(
+                bot, self._live.subscribe(self._node, msg.BotStatus, status, take, LATCHED).get_publisher_count
+            )
+        self._bots = max(self._bots, world.scenario.bots)
+        self._orders.clear()
         policy = load_fleet(self._choice)
         self._is_new = True
         self._departures.clear()
@@ -119,6 +124,13 @@ class FleetManagerNode:
         rng = role_rng("fleet", self._seed)
         self._fleet = make_fleet(world.scenario, world.layout, policy, view, rng, self._explain)
         return self._fleet
+
+    def _begin(self) -> None:
+        """In charge now: let the others ask."""
+        self._servers = {
+            DELIVER: self._serve(DELIVER, action.DeliverLetters, topics.DELIVER_LETTERS),
+            STORE: self._serve(STORE, action.StoreBundle, topics.STORE_BUNDLE),
+        }
 
     # ---- the other managers -------------------------------------------------------------------------------
 
@@ -128,7 +140,7 @@ class FleetManagerNode:
             self._goals.setdefault((kind, goal.task), []).append(handle)
             if self._follower.mind is None:
                 self._end_task(TaskResult(kind, goal.task, Code.BUSY, NOT_YET))
-            else:
+            elif handle.request.run in (0, self._follower.run):
                 self._follower.tell(goal)
 
         def cancel(handle: ServerGoalHandle) -> None:
@@ -146,14 +158,23 @@ class FleetManagerNode:
 
     # ---- the bots -----------------------------------------------------------------------------------------
 
-    def _on_status(self, status: BotStatus) -> None:
-        self._newest[status.bot] = status
+    def _on_status(self, bot: int, message: msg.BotStatus) -> None:
+        status: BotStatus = from_ros(message)
+        if status.bot != bot:
+            raise MalformedMessage(f"bot {status.bot} on the topic of bot {bot}")
+        self._newest[status.bot] = message.run, status
         if status.phase is Phase.DRIVING:
             self._departures.confirm(status.bot)
         if status.bot in self._known:
+            self._tell_newest(status.bot)
+        else:
+            self._silent.add(status.bot)
+
+    def _tell_newest(self, bot: int) -> None:
+        """Tell the fleet what a bot said last, unless that was in another run of the world."""
+        run, status = self._newest[bot]
+        if run == self._follower.run:
             self._follower.tell(status)
-        elif status.bot in self._bots:
-            self._silent[status.bot] = status
 
     def _look_at_bots(self) -> None:
         """A bot counts as soon as it can be asked; one that is gone fails what it was asked for.
@@ -162,40 +183,32 @@ class FleetManagerNode:
         """
         if self._is_new and self._follower.in_step:
             self._is_new = False
-            for handles in list(self._goals.values()):
-                self._follower.tell(from_ros(handles[-1].request))
+            for (kind, task), handles in list(self._goals.items()):
+                if handles[-1].request.run in (0, self._follower.run):
+                    self._follower.tell(from_ros(handles[-1].request))
+                else:
+                    self._end_task(TaskResult(kind, task, Code.STOPPED, "it belongs to another run of the world"))
             for bot in self._known:
-                self._follower.tell(self._newest[bot])
-        for bot in [bot for bot in self._silent if self._bots[bot].ready and self._drives[bot].ready]:
-            self._known.add(bot)
-            self._follower.tell(self._silent.pop(bot))
-        for client in (*self._bots.values(), *self._drives.values()):
-            client.look()
+                self._tell_newest(bot)
+        if self._silent and self._orders.heard:
+            for bot in sorted(self._silent):
+                self._tell_newest(bot)
+            self._known |= self._silent
+            self._silent.clear()
+        self._orders.look()
         self._report.values["bots"] = str(len(self._known))
 
-    def _ask_bot(self, goal: TripGoal) -> None:
-        bot, trip = goal.bot, goal.trip.trip
-
-        def on_feedback(feedback: Any) -> None:
-            self._follower.tell(trip_feedback(feedback, bot, trip))
-
-        def on_result(code: Code, message: str) -> None:
-            self._follower.tell(TripResult(bot, trip, code, message))
-
-        self._bots[bot].send(trip, to_ros(goal), on_feedback, on_result)
+    def _on_result(self, result: DriveResult | TripResult) -> None:
+        if isinstance(result, DriveResult):
+            self._departures.confirm(result.bot)
+        self._follower.tell(result)
 
     def _ask_world(self, wish: SetStorageSpot) -> None:
         self._world.call_async(to_ros(wish))  # an event tells whether it did
 
     def _ask_to_drive(self, goal: DriveGoal) -> None:
-        bot, drive = goal.bot, goal.drive
-
-        def on_result(code: Code, message: str) -> None:
-            self._departures.confirm(bot)
-            self._follower.tell(DriveResult(bot, drive, code, message))
-
         self._departures.ask(goal, time.monotonic())
-        self._drives[bot].send(drive, to_ros(goal), lambda _: None, on_result)
+        self._orders.ask(goal)
 
     # ---- now and then -------------------------------------------------------------------------------------
 
@@ -206,22 +219,27 @@ class FleetManagerNode:
 
     def _tell_poses(self) -> None:
         if self._poses and self._follower.in_step:
-            self._follower.tell(from_ros(deserialize_message(self._poses, msg.Bots)))
+            self._follower.tell(from_cdr(self._poses, msg.Bots))
             self._poses = b""
 
-    def _set_lead(self, fleet: Fleet) -> None:
-        """Have bots told of drives early enough for the speed at which simulated time goes now."""
+    def _measure_speed(self) -> None:
         wall = time.monotonic()
         before, self._looked = self._looked, (wall, self._follower.now)
         if before is not None and wall > before[0]:
-            fleet.lead_s = LEAD_S * max((self._looked[1] - before[1]) / (wall - before[0]), 1.0)
+            self._speed = max((self._looked[1] - before[1]) / (wall - before[0]), 1.0)
+
+    def _set_lead(self, age_s: float) -> None:
+        """Have bots told of drives early enough for the speed at which simulated time goes now."""
+        if self._fleet is not None:
+            self._fleet.lead_s = (LEAD_S + min(age_s, LONGEST_AGE_S)) * self._speed
 
     def _look_at_fleet(self) -> None:
         fleet = self._fleet
         if fleet is None or not self._follower.in_step:
             return
         self._tell_poses()
-        self._set_lead(fleet)
+        self._measure_speed()
+        self._report.values["stalled_bots"] = "; ".join(f"{bot}: {why}" for bot, why in fleet.stalled.items()) or "none"
         tasks = fleet.tasks()
         if tasks != self._published:
             self._published = tasks

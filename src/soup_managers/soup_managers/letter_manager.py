@@ -16,6 +16,11 @@ from soup_msgs_py.messages import STORE, AssignBundle, Event, StoreGoal
 from soup_msgs_py.mind import Message
 from soup_msgs_py.scenario import Scenario
 
+_REACTS_TO = frozenset(
+    {EventType.BUNDLE_STAGED, EventType.BUNDLE_EMPTIED, EventType.BUNDLE_ARRIVED, EventType.WORD_ASSIGNED}
+)
+_WITH_PLACES = _REACTS_TO | {EventType.TRANSFERRED}
+
 
 class LetterManager(StationManager):
     """Stages bundles where a letter station has a place free; each staged bundle is a task of the fleet."""
@@ -49,6 +54,12 @@ class LetterManager(StationManager):
         policy.explain = self._explain
         self._rng = rng
         self._target = tile_profile * (scenario.initial_inventory * scenario.buckets * scenario.bucket.capacity)
+
+    @property
+    def reacts_to(self) -> frozenset[EventType]:
+        """Bundles and words that come and go; used letters too, while there is a place for a bundle of new ones."""
+        has_place = any(self.view.free_places[station] > 0 for station in self._stations)
+        return _WITH_PLACES if has_place else _REACTS_TO
 
     def on_event(self, event: Event, now: float) -> list[Message]:
         """A bundle that was staged is to be stored; a place or a gap in the stock is to be filled."""

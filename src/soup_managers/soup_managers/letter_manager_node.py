@@ -21,7 +21,7 @@ from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.wire import Announcement
 
 
-def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> StationManagerNode:
+def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain, take_over: bool) -> StationManagerNode:
     """Node `/letter_manager`: assigns bundles by a service of the world, has the fleet store them."""
 
     def make_mind(world: Announcement) -> LetterManager:
@@ -38,6 +38,7 @@ def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> 
         service=(srv.AssignBundle, topics.ASSIGN_BUNDLE),
         action=(action.StoreBundle, topics.STORE_BUNDLE),
         policy=choice.name,
+        take_over=take_over,
     )
 
 

@@ -7,16 +7,20 @@ import numpy as np
 from soup_managers.coordination.fleet import CoordinatedFleet
 from soup_managers.explain import Explain
 from soup_managers.fleet_manager import FleetManager
+from soup_managers.planned_fleet import PlannedFleet
 from soup_managers.policies import FLEET
 from soup_managers.policies.coordinated import Coordinated
 from soup_managers.policies.fleet import AnyFleet, FleetPolicy
+from soup_managers.policies.planned import Planned
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
+from soup_msgs_py.errors import InputError
+from soup_msgs_py.floor_plan import CellsLayout
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.scenario import Scenario
 
-Fleet = FleetManager | CoordinatedFleet
+Fleet = FleetManager | CoordinatedFleet | PlannedFleet
 
 
 def load_fleet(choice: PolicyChoice) -> AnyFleet:
@@ -26,6 +30,17 @@ def load_fleet(choice: PolicyChoice) -> AnyFleet:
         InputError: There is no such policy, or its options do not fit.
     """
     return load_policy(choice, "fleet", FLEET, AnyFleet)
+
+
+def check_fleet(policy: AnyFleet, scenario: Scenario) -> None:
+    """Make sure that a fleet policy is made for a warehouse.
+
+    Raises:
+        InputError: It is not.
+    """
+    if isinstance(policy, Planned) and not isinstance(scenario.layout, CellsLayout):
+        found = f"a layout of kind {scenario.layout.kind} with fleet policy planned"
+        raise InputError(f"scenario {scenario.name}", "layout", found, "a world of cells, as in config/worlds")
 
 
 def make_fleet(
@@ -39,11 +54,18 @@ def make_fleet(
     """Make the fleet manager that works by a policy; `explain` is told its decisions.
 
     Compiled code is loaded here, not while bots wait for their first trip.
+
+    Raises:
+        InputError: The policy is not made for such a warehouse.
+        RunError: It finds no plan for it.
     """
+    check_fleet(policy, scenario)
+    if isinstance(policy, Planned):
+        return PlannedFleet(scenario, layout, policy, view)
     if isinstance(policy, Coordinated):
         return CoordinatedFleet(scenario, layout, policy, view, rng, explain)
     if isinstance(policy, FleetPolicy):
         router = Router(layout)
         router.route(int(layout.storage_spots[0]), int(layout.word_stations[0]))
         return FleetManager(scenario, layout, policy, view, rng, router, explain)
-    raise TypeError(f"{type(policy).__name__} extends neither FleetPolicy nor Coordinated")
+    raise TypeError(f"{type(policy).__name__} extends neither FleetPolicy nor Coordinated nor Planned")

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from typing import Any
 
 from soup_managers.view import WarehouseView
+from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Event, Snapshot
-from soup_msgs_py.mind import NEVER, Message
+from soup_msgs_py.mind import EVERYTHING, NEVER, Message
 
 
 class Manager:
@@ -28,6 +29,11 @@ class Manager:
             Event: self._handle_event,
             Snapshot: self._handle_snapshot,
         }
+
+    @property
+    def reacts_to(self) -> frozenset[EventType]:
+        """As in `Mind`."""
+        return EVERYTHING
 
     def handle(self, message: Message, now: float) -> list[Message]:
         """Take in one message at simulated time `now` (s); what the manager says in return.

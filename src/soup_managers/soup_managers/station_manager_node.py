@@ -15,11 +15,20 @@ from soup_msgs_py import topics
 from soup_msgs_py.arguments import Parser, add_explain, seed
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.actions import GoalClient
+from soup_msgs_py.live.charge import ChargeWatch, InCharge
 from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.follower import Follower
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import Report
-from soup_msgs_py.messages import DELIVER, AssignBundle, AssignWord, CancelTask, DeliverGoal, StoreGoal, TaskResult
+from soup_msgs_py.messages import (
+    DELIVER,
+    AssignBundle,
+    AssignWord,
+    CancelTask,
+    DeliverGoal,
+    StoreGoal,
+    TaskResult,
+)
 from soup_msgs_py.mind import Message, Mind
 from soup_msgs_py.policies import PolicyChoice, load_policies
 from soup_msgs_py.qos import EVERY_ONE, LATCHED
@@ -48,6 +57,7 @@ class StationManagerNode:
         service: tuple[Any, str],
         action: tuple[Any, str],
         policy: str,
+        take_over: bool,
     ) -> None:
         """Make the node.
 
@@ -59,22 +69,27 @@ class StationManagerNode:
             service: Type and name of the world's service.
             action: Type and name of the fleet's action.
             policy: Name of the policy, for the report.
+            take_over: Whether to ask another manager of the role to hand over.
         """
         self._live, self._kind = live, kind
         node = live.node(name)
         self._world = node.create_client(*service, qos_profile=EVERY_ONE)
-        self._fleet = GoalClient(live, node, *action)
+        fleet = ChargeWatch(live, node, topics.FLEET_MANAGER_NODE)
+        self._fleet = GoalClient(live, node, *action, signs=lambda: fleet.term, term=lambda: fleet.term)
         self._waits_for_fleet = f"waits for the fleet manager (nobody serves {action[1]})"
         self._waits_for_world = f"waits for the world (nobody serves {service[1]})"
         self._report = Report(live, node)
         self._report.values = {"policy": policy}
+        self._charge = InCharge(live, node, self._report, policy, take_over=take_over)
         self._follower = Follower(live, node, self._report, make_mind, self._carry, self._missing)
         if kind == DELIVER:
             live.follow(node, msg.Bound, topics.BOUND, self._follower.tell, LATCHED)
         live.every(LOOK_FOR_FLEET_S, self._fleet.look)
 
     def _missing(self) -> str:
-        if not self._world.service_is_ready():
+        if self._charge.missing:
+            return self._charge.missing
+        if not self._follower.in_step and not self._world.service_is_ready():
             return self._waits_for_world
         return "" if self._fleet.ready else self._waits_for_fleet
 
@@ -100,7 +115,9 @@ class StationManagerNode:
         def on_result(code: Code, message: str) -> None:
             self._follower.tell(TaskResult(kind, task, code, message))
 
-        self._fleet.send(task, to_ros(goal), on_feedback, on_result)
+        request = to_ros(goal)
+        request.run = self._follower.run
+        self._fleet.send(task, request, on_feedback, on_result)
 
 
 def run_manager(
@@ -108,7 +125,7 @@ def run_manager(
     role: str,
     policies: Path | None,
     check: Callable[[PolicyChoice], object],
-    make_node: Callable[[Live, PolicyChoice, int, Explain], object],
+    make_node: Callable[[Live, PolicyChoice, int, Explain, bool], object],
 ) -> int:
     """The program of any manager; its exit status.
 
@@ -117,13 +134,15 @@ def run_manager(
         role: word, letter or fleet.
         policies: The policies file where the command line names none.
         check: Raises `InputError` for a policy that cannot be.
-        make_node: Makes the node for a policy, a seed and what is told of its decisions.
+        make_node: Makes the node for a policy, a seed, what is told of its decisions, and whether to take over.
     """
     parser = Parser(f"Run the {role} manager.")
     parser.add_argument("--policy", metavar="NAME|FILE.py:Class", help=f"the {role} policy")
     parser.add_argument("--policies", type=Path, default=policies, metavar="FILE")
     parser.add_argument("--seed", type=seed, default=0, help="of the random numbers of the policy")
     add_explain(parser)
+    help_ = f"ask the {role} manager that is in charge to hand over; without: stand by until it is gone"
+    parser.add_argument("--take-over", action="store_true", help=help_)
     options = parser.parse_args(argv)
 
     def run() -> None:
@@ -135,8 +154,8 @@ def run_manager(
             if options.explain is not None:
                 # whole lines at the end: the managers of one warehouse may share the file
                 sink = write_lines(files.enter_context(options.explain.open("a", encoding="utf-8", buffering=1)))
-            live = files.enter_context(Live(f"{role} manager"))
-            make_node(live, choice, options.seed, Explain(sink))
+            live = files.enter_context(Live(f"{role} manager", starts_again=True))
+            make_node(live, choice, options.seed, Explain(sink), options.take_over)
             live.spin()
 
     return exit_status(run)

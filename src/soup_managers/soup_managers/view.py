@@ -143,14 +143,14 @@ class WarehouseView:
     # ---- how it is kept true -------------------------------------------------------------------------------
 
     def reset(self, snapshot: Snapshot) -> bool:
-        """Take over a snapshot, where one is needed; whether it was.
+        """Take over a snapshot, where one is needed or it holds more than is known; whether it was.
 
         One that is older than an event that was heard would leave a gap: it is refused, the view is `lost`. In
         another run of the world, which numbers its events anew, nothing has been heard yet.
         """
         if snapshot.run != self.run:
             self.run, self._heard, self.ready = snapshot.run, -1, False
-        if self.ready and not self.lost:
+        if self.ready and not self.lost and snapshot.sequence <= self.sequence:
             return False
         if snapshot.sequence < self._heard:
             self.lost = True

@@ -16,6 +16,8 @@ from soup_msgs_py.messages import DELIVER, AssignWord, Bound, DeliverGoal, Event
 from soup_msgs_py.mind import Message
 from soup_msgs_py.scenario import Scenario
 
+_REACTS_TO = frozenset({EventType.WORD_ASSIGNED, EventType.WORD_ARRIVED, EventType.WORD_CLEARED})
+
 
 class WordManager(StationManager):
     """Opens waiting words where a word station has a place free; each open word is a task of the fleet."""
@@ -36,6 +38,11 @@ class WordManager(StationManager):
         policy.explain = self._explain
         self._rng = rng
         self._handlers |= {Bound: self._handle_bound}
+
+    @property
+    def reacts_to(self) -> frozenset[EventType]:
+        """Words that come and go."""
+        return _REACTS_TO
 
     def on_event(self, event: Event, now: float) -> list[Message]:
         """A word that was opened needs letters; a place that became free needs a word."""

@@ -20,7 +20,7 @@ from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.wire import Announcement
 
 
-def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> StationManagerNode:
+def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain, take_over: bool) -> StationManagerNode:
     """Node `/word_manager`: assigns words by a service of the world, has the fleet deliver letters."""
 
     def make_mind(world: Announcement) -> WordManager:
@@ -36,6 +36,7 @@ def make_node(live: Live, choice: PolicyChoice, seed: int, explain: Explain) -> 
         service=(srv.AssignWord, topics.ASSIGN_WORD),
         action=(action.DeliverLetters, topics.DELIVER_LETTERS),
         policy=choice.name,
+        take_over=take_over,
     )
 
 

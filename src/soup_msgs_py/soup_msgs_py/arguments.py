@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import re
 import socket
 import sys
 from pathlib import Path
@@ -120,6 +121,14 @@ def written_bots(numbers: tuple[int, ...]) -> str:
     return ",".join(f"{low}-{high}" if low < high else str(low) for low, high in parts)
 
 
+def pattern(text: str) -> re.Pattern[str]:
+    """A regular expression."""
+    try:
+        return re.compile(text)
+    except re.error as error:
+        raise argparse.ArgumentTypeError(f"found {text!r} ({error}); allowed: a regular expression") from error
+
+
 def add_scenario(parser: Parser, default: Path | None) -> None:
     """Add `--scenario` and `--set`."""
     parser.add_argument("--scenario", type=Path, default=default, required=default is None, metavar="FILE")
@@ -140,9 +149,45 @@ def add_explain(parser: Parser) -> None:
     parser.add_argument("--explain", type=output_file, metavar="FILE", help="write all decisions as JSON lines")
 
 
+def folder(text: str) -> Path:
+    """A folder to write to; it is made where there is none."""
+    path = Path(text).absolute()
+    try:
+        path.mkdir(exist_ok=True)
+    except OSError as error:
+        raise argparse.ArgumentTypeError(f"found {text!r} ({error.strerror}); allowed: a folder") from error
+    if not os.access(path, os.W_OK):
+        raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a folder that can be written to")
+    return path
+
+
+def add_checkpoint(parser: Parser) -> None:
+    """Add what keeps the state of a world."""
+    parser.add_argument("--checkpoint", type=folder, metavar="DIR", help="keep the world's newest checkpoint there")
+    parser.add_argument("--every", type=positive, metavar="S", help="simulated seconds between two checkpoints")
+    parser.add_argument("--restore", action="store_true", help="go on from the checkpoint in DIR, if there is one")
+
+
+def check_checkpoint(parser: Parser, arguments: argparse.Namespace) -> None:
+    """Refuse options for checkpoints that nobody keeps."""
+    if arguments.checkpoint is None and (arguments.every is not None or arguments.restore):
+        name = "--restore" if arguments.restore else "--every"
+        parser.error(f"{name}: found no --checkpoint; allowed: together with --checkpoint DIR")
+
+
+def speed(text: str) -> float:
+    """A real-time factor; infinity for `max`."""
+    value = math.inf if text == "max" else _number(text)
+    if not value > 0 or (math.isinf(value) and text != "max"):
+        raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a number above 0, or max")
+    return value
+
+
 def add_speed(parser: Parser) -> None:
     """Add `--speed`."""
-    parser.add_argument("--speed", type=positive, default=1.0, metavar="RTF", help="simulated seconds a wall second")
+    parser.add_argument(
+        "--speed", type=speed, default=1.0, metavar="RTF", help="simulated seconds a wall second; max: all it can"
+    )
 
 
 def check_run(parser: Parser, arguments: argparse.Namespace) -> None:

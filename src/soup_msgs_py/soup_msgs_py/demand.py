@@ -87,7 +87,13 @@ class OrderFile(Part):
     path: str  # relative to the scenario file
 
 
-Orders = Annotated[Backlog | AllOrders | PoissonOrders | OrderFile, Field(discriminator="kind")]
+class NoOrders(Part):
+    """Nobody orders anything."""
+
+    kind: Literal["none"]
+
+
+Orders = Annotated[NoOrders | Backlog | AllOrders | PoissonOrders | OrderFile, Field(discriminator="kind")]
 
 
 class ChosenBundles(Part):
@@ -112,4 +118,10 @@ class BundleFile(Part):
     path: str  # relative to the scenario file
 
 
-Bundles = Annotated[ChosenBundles | PoissonBundles | BundleFile, Field(discriminator="kind")]
+class NoBundles(Part):
+    """Nothing comes in."""
+
+    kind: Literal["none"]
+
+
+Bundles = Annotated[NoBundles | ChosenBundles | PoissonBundles | BundleFile, Field(discriminator="kind")]

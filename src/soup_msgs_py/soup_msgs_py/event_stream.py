@@ -7,6 +7,7 @@ from collections import deque
 from soup_msgs_py.messages import Event, Snapshot
 
 MOST_KEPT = 100_000
+MOST_BEHIND = 3
 
 
 class EventStream:
@@ -26,13 +27,28 @@ class EventStream:
         self.in_step = False
         self.gaps = 0
         self._last = -1
+        self._told = -1  # newest event that a snapshot told of
+        self._behind = 0  # snapshots in a row that were older than the newest event
         self._early: deque[Event] = deque(maxlen=MOST_KEPT)
 
     def restart(self) -> None:
         """Become a newcomer again: there is another world now."""
         self.in_step = False
-        self._last = -1
+        self._last = self._told = -1
         self._early.clear()
+
+    def lacks(self, sequence: int) -> bool:
+        """In step, the newest snapshot holds events up to `sequence`: whether some are missing, and none shows it.
+
+        Those that the snapshot before told of must have come. If they have not, they were sent before anybody saw that
+        this follower listens, and as long as nothing happens it would wait for ever. It is out of step then.
+        """
+        told, self._told = self._told, sequence
+        if not self.in_step or self._last >= told:
+            return False
+        self.gaps += 1
+        self.in_step = False
+        return True
 
     def take_event(self, event: Event) -> list[Event]:
         """Take in an event; which events the follower should handle now."""
@@ -51,8 +67,14 @@ class EventStream:
 
     def take_snapshot(self, snapshot: Snapshot) -> list[Snapshot | Event]:
         """Take in a snapshot; what the follower should handle now: nothing, or it and what came after it."""
-        if self.in_step or snapshot.sequence < self._last:
+        if self.in_step:
             return []
+        if snapshot.sequence < self._last:
+            self._behind += 1
+            if self._behind < MOST_BEHIND:
+                return []
+            self._early.clear()  # no snapshot is that late: the event that was ahead of its time was nobody's
+        self._behind = 0
         later = [event for event in self._early if event.sequence > snapshot.sequence]
         expected = range(snapshot.sequence + 1, snapshot.sequence + 1 + len(later))
         if [event.sequence for event in later] != list(expected):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
+from soup_msgs_py.cell_world import World, parse_world
+from soup_msgs_py.errors import InputError
 from soup_msgs_py.parameters import Count, Part, Place, Positive
 
 
@@ -73,4 +75,26 @@ class MapLayout(_WaypointGraph):
     wrong_way: Annotated[float, Field(ge=1, allow_inf_nan=False)] | None = 5.0
 
 
-Layout_ = Annotated[RowsLayout | DenseLayout | HexagonalLayout | MapLayout, Field(discriminator="kind")]
+class CellsLayout(_WaypointGraph):
+    """A world of cells in the notation of the 2023 paper; it says where bots and buckets begin, too."""
+
+    kind: Literal["cells"]
+    rows: Annotated[list[str], Field(min_length=1, max_length=100_000)]
+
+    @field_validator("rows")
+    @classmethod
+    def _is_a_world(cls, rows: list[str]) -> list[str]:
+        try:
+            parse_world("\n".join(rows))
+        except InputError as error:
+            where = f" ({error.key})" if error.key else ""
+            raise ValueError(f"{error.found}{where}|{error.allowed}") from error
+        return rows
+
+    @property
+    def world(self) -> World:
+        """The world that is drawn."""
+        return parse_world("\n".join(self.rows))
+
+
+Layout_ = Annotated[RowsLayout | DenseLayout | HexagonalLayout | MapLayout | CellsLayout, Field(discriminator="kind")]

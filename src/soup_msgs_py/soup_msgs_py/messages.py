@@ -284,6 +284,16 @@ class Snapshot:
     run: int = 0
 
 
+@message
+class WorldState:
+    """A checkpoint of the world, true right after event `sequence`: what a checkpoint file holds."""
+
+    time: float
+    run: int
+    sequence: int
+    checkpoint: bytes
+
+
 # ---- what the fleet asks of a bot -----------------------------------------------------------------------------
 
 
@@ -377,7 +387,11 @@ class CancelDrive:
 
 @message
 class BotStatus:
-    """What a bot is doing; the newest one of each bot is kept for newcomers."""
+    """What a bot is doing; the newest one of each bot is kept for newcomers.
+
+    `points` and `stamps` are those of the `FollowPath` that it drives by, if that has a timetable: whoever sends bots
+    about has to know where it will be when.
+    """
 
     time: float
     bot: int
@@ -386,6 +400,8 @@ class BotStatus:
     trip: Trip | None
     visits_done: int
     message: str
+    points: tuple[Point, ...] = ()
+    stamps: tuple[float, ...] = ()
 
 
 # ---- what the word and letter managers ask of the fleet ---------------------------------------------------------
@@ -478,15 +494,17 @@ class Bound:
 
 @message
 class Beat:
-    """The world has spoken, and time stays at this instant until every part that thinks has heard it.
+    """The world has spoken, and time stays at this instant until every part that it concerns has heard it.
 
     Attributes:
         time: Simulated time (s); it travels exactly, so that who wanted a beat at a time gets it at that time.
         number: Counts the beats, from 1 on.
+        parts: Who has to say that it was heard.
     """
 
     time: float
     number: int
+    parts: tuple[str, ...] = ()
 
 
 @message
@@ -497,10 +515,33 @@ class Heard:
         part: Its name.
         beat: Number of the beat, 0 for none yet.
         next_time: Simulated time (s) at which it wants another beat at the latest; infinity: when something happens.
+        reacts: Events upon which it may say something; the world waits for it only after those.
+        bots: Whose replies it waits for, and to whose events `reacts` is restricted; empty for a part without bots.
         leaves: Whether the world is not to wait for it any more.
     """
 
     part: str
     beat: int
     next_time: float
+    reacts: frozenset[EventType] = frozenset()
+    bots: frozenset[int] = frozenset()
     leaves: bool = False
+
+
+@message
+class Charge:
+    """A process says what it is in charge of.
+
+    Attributes:
+        part: Its name.
+        term: Managers: one more than that of the one before; the highest is in charge.
+        rank: Decides between two: of managers of one term the lower, of processes with one bot the higher.
+        policy: What it follows.
+        bots: The bots whose minds it has.
+    """
+
+    part: str
+    term: int
+    rank: int
+    policy: str
+    bots: tuple[int, ...] = ()

@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any, Protocol
 
+from soup_msgs_py.codes import EventType
+
 NEVER = math.inf
 Message = Any  # one of the dataclasses of `messages`
+EVERYTHING = frozenset(EventType)
 
 
 class Mind(Protocol):
@@ -17,6 +20,11 @@ class Mind(Protocol):
     """
 
     next_wake: float
+
+    @property
+    def reacts_to(self) -> frozenset[EventType]:
+        """The events upon which it may say something. After others the world need not wait for it."""
+        ...
 
     def handle(self, message: Message, now: float) -> list[Message]:
         """Take in one message at simulated time `now` (s); what the mind says in return."""

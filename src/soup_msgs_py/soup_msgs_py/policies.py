@@ -11,10 +11,12 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from soup_msgs_py.cell_world import SUFFIX
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.yaml_input import read_mapping, validate
 
 ROLES = ("word", "letter", "fleet", "bot")
+NONE = "none"  # the policy of a part that nobody has heard of
 
 
 class PolicyChoice(BaseModel):
@@ -42,6 +44,20 @@ class Policies(BaseModel):
         return name_alone(value)
 
 
+def policies_of(parts: Mapping[str, Mapping[str, str]]) -> Policies:
+    """What parts say that they follow; `NONE` where nobody has said it.
+
+    Args:
+        parts: By the name of a process, such as `bots 0-5`, the values that it reports.
+    """
+    chosen = dict.fromkeys(ROLES, NONE)
+    for part, values in parts.items():
+        role = part.split()[0].removesuffix("s")
+        if role in chosen and "policy" in values:
+            chosen[role] = values["policy"]
+    return Policies(**{role: PolicyChoice(name=name) for role, name in chosen.items()})
+
+
 def name_alone(value: object) -> object:
     """A choice as a mapping, where a person wrote only the name of a policy."""
     return {"name": value} if isinstance(value, str) else value
@@ -65,6 +81,11 @@ def load_policies(path: str | Path | None, overrides: Mapping[str, str | None] |
         if name is not None:
             chosen[role] = anchor(PolicyChoice(name=name), Path.cwd())
     return Policies(**chosen)
+
+
+def usual_policies(usual: Path, scenario: Path) -> Path:
+    """The policies file of a run that names none: for a world of cells the one beside the usual one that has a plan."""
+    return usual.with_name("planned.yaml") if scenario.suffix == SUFFIX else usual
 
 
 def anchor(choice: PolicyChoice, base: Path) -> PolicyChoice:

@@ -11,6 +11,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator, model_validator
 
+from soup_msgs_py.cell_world import SUFFIX, world_scenario
 from soup_msgs_py.demand import Backlog, BundleFile, Bundles, ChosenBundles, Colours, ExplicitColours, OrderFile, Orders
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.floor_plan import Layout_, MapLayout, RowsLayout
@@ -100,7 +101,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
     """Read a scenario file.
 
     Args:
-        path: The YAML file.
+        path: The YAML file, or a world file of cells (.txt).
         overrides: `KEY=VALUE` texts that replace single values; dotted keys.
 
     Returns:
@@ -110,7 +111,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
         InputError: Anything is wrong with the file, a value or an override.
     """
     path = Path(path)
-    data = read_mapping(path)
+    data = world_scenario(path) if path.suffix == SUFFIX else read_mapping(path)
     overridden = apply_overrides(data, overrides)
     scenario = validate(Scenario, data, path, overridden)
     updates: dict[str, object] = {"words": _absolute(scenario.words, _base("words", path, overridden))}

@@ -18,6 +18,7 @@ STATIONS = "/world/stations"
 EVENTS = "/world/events"
 REPLIES = "/world/replies"
 STATISTICS = "/world/statistics"
+STATE = "/world/state"
 MARKERS = "/visualization_marker_array"
 DIAGNOSTICS = "/diagnostics"
 
@@ -33,6 +34,7 @@ PAUSE = "/world/pause"
 STEP = "/world/step"
 SET_SPEED = "/world/set_speed"
 CHECKPOINT = "/world/checkpoint"
+SEEK = "/world/seek"  # of a replay, which stands in for the world
 ASSIGN_WORD = "/world/assign_word"
 ASSIGN_BUNDLE = "/world/assign_bundle"
 SET_STORAGE_SPOT = "/world/set_storage_spot"
@@ -41,9 +43,21 @@ SET_STORAGE_SPOT = "/world/set_storage_spot"
 DELIVER_LETTERS = "/fleet/deliver_letters"
 STORE_BUNDLE = "/fleet/store_bundle"
 TASKS = "/fleet/tasks"
+ORDERS = "/fleet/orders"  # to all bots
+OUTCOMES = "/fleet/outcomes"  # of orders
 BOUND = "/fleet/bound"
 
+# Who is in charge
+CHARGE = "charge"  # of a manager, in its namespace
+HAND_OVER = "hand_over"
+BOTS_CHARGE = "/bots/charge"
+
 FRAME = "map"
+
+
+def of_manager(node: str, name: str) -> str:
+    """A topic or service of a manager: `charge`, `hand_over`."""
+    return f"/{node}/{name}"
 
 
 def bot_node(bot: int) -> str:

@@ -9,11 +9,15 @@ import zlib
 from pathlib import Path
 from typing import Any
 
+from soup_msgs_py.codes import BotState
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.messages import SetVelocity
 from soup_msgs_py.scenario import Scenario
 from soup_sim.world import World
 
+LONGEST_REST_S, REST_STEP_S = 600.0, 1.0  # simulated
 _FORMAT = "alphabet-soup checkpoint 2"
+_ALLOWED = "a checkpoint of this scenario"
 
 
 def fingerprint(scenario: Scenario) -> str:
@@ -28,11 +32,30 @@ def fingerprint(scenario: Scenario) -> str:
     return hashlib.sha256(json.dumps(values).encode()).hexdigest()
 
 
-def write_checkpoint(path: str | Path, world: World) -> None:
-    """Write a checkpoint, whole or not at all."""
+def make_checkpoint(world: World, record: dict[str, Any] | None = None) -> bytes:
+    """The state of a world.
+
+    Args:
+        world: The world.
+        record: What the books of the run need to go on, plain JSON values.
+
+    Returns:
+        What a checkpoint file holds.
+    """
+    content = {"format": _FORMAT, "scenario": fingerprint(world.scenario), "world": world.capture(), "record": record}
+    return zlib.compress(json.dumps(content, separators=(",", ":")).encode(), level=1)
+
+
+def write_checkpoint(path: str | Path, world: World, record: dict[str, Any] | None = None) -> None:
+    """Write a checkpoint, whole or not at all.
+
+    Args:
+        path: The file.
+        world: The world.
+        record: What the books of the run need to go on, plain JSON values.
+    """
     path = Path(path)
-    content = {"format": _FORMAT, "scenario": fingerprint(world.scenario), "world": world.capture()}
-    data = zlib.compress(json.dumps(content, separators=(",", ":")).encode(), level=1)
+    data = make_checkpoint(world, record)
     half = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with half.open("wb") as file:
@@ -44,24 +67,69 @@ def write_checkpoint(path: str | Path, world: World) -> None:
         half.unlink(missing_ok=True)
 
 
-def restore_checkpoint(path: str | Path, world: World) -> None:
+def restore_checkpoint(path: str | Path, world: World) -> dict[str, Any]:
     """Put a world of the same scenario into the state of a checkpoint.
+
+    Returns:
+        What `write_checkpoint` was given of the run's books.
 
     Raises:
         InputError: The file is missing, damaged, or of another scenario.
     """
-    allowed = "a checkpoint of this scenario"
     try:
-        content: Any = json.loads(zlib.decompress(Path(path).read_bytes()))
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise InputError(path, "", error.strerror or error, _ALLOWED) from error
+    return apply_checkpoint(data, world, path)
+
+
+def apply_checkpoint(data: bytes, world: World, path: str | Path) -> dict[str, Any]:
+    """Put a world of the same scenario into the state of a checkpoint.
+
+    Args:
+        data: What `make_checkpoint` made.
+        world: The world.
+        path: Where it comes from, for messages to a person.
+
+    Returns:
+        What `make_checkpoint` was given of the run's books.
+
+    Raises:
+        InputError: It is damaged, or of another scenario.
+    """
+    try:
+        content: Any = json.loads(zlib.decompress(data))
         if content.get("format") != _FORMAT:
             raise ValueError("another format")
-    except OSError as error:
-        raise InputError(path, "", error.strerror or error, allowed) from error
     except (ValueError, AttributeError, zlib.error) as error:
-        raise InputError(path, "", "no checkpoint, or a damaged one", allowed) from error
+        raise InputError(path, "", "no checkpoint, or a damaged one", _ALLOWED) from error
     if content["scenario"] != fingerprint(world.scenario):
-        raise InputError(path, "scenario", "a checkpoint of another scenario", allowed)
+        raise InputError(path, "scenario", "a checkpoint of another scenario", _ALLOWED)
     try:
         world.restore(content["world"])
     except (KeyError, TypeError, ValueError, IndexError) as error:
-        raise InputError(path, "world", f"damaged state ({error})", allowed) from error
+        raise InputError(path, "world", f"damaged state ({error})", _ALLOWED) from error
+    return content.get("record") or {}
+
+
+def come_to_rest(world: World) -> list[Any]:
+    """Run a restored world on until every bot stands: the new minds of its fleet know nothing of where they go.
+
+    Drives that they were asked for they still do, which brings nobody into anybody's way, and stations work meanwhile.
+    Those that go on and on, by a target velocity, brake.
+
+    Returns:
+        What the world says meanwhile.
+    """
+    said: list[Any] = []
+    on_paths = set(world.bots_on_paths())
+    for bot in (world.bots().state == BotState.MOVING).nonzero()[0].tolist():
+        if bot not in on_paths:
+            said += world.handle(SetVelocity(bot, 0.0, 0.0))
+    end = world.now + LONGEST_REST_S
+    while world.now < end and world.bots_on_paths():
+        said += world.advance(world.now + REST_STEP_S)
+    said += world.end_transfers()
+    while world.now < end and (world.bots().state != BotState.FREE).any():
+        said += world.advance(world.now + REST_STEP_S)
+    return said

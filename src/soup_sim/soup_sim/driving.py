@@ -49,6 +49,10 @@ class Driving:
 
     # ---- requests -------------------------------------------------------------------------------------------
 
+    def on_paths(self) -> list[int]:
+        """The bots that follow a path, or wait for the time of its beginning."""
+        return [bot for bot, path in enumerate(self._paths) if path is not None]
+
     def set_velocity(self, request: SetVelocity) -> None:
         """Equations 1 to 5; nothing happens while the bot is busy or penalised."""
         values = (request.vx, request.vy, request.turn_radps)

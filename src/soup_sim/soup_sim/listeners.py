@@ -4,23 +4,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from soup_msgs_py.messages import Beat, Heard
-from soup_msgs_py.mind import NEVER
+from soup_msgs_py.messages import Beat, BotReply, Event, Heard
+from soup_msgs_py.mind import NEVER, Message
 
 PATIENCE_S = 10.0  # wall time; a part that is silent for longer is waited for no more, until it speaks again
 
 
 @dataclass(slots=True)
 class _Listener:
-    heard: int
+    said: Heard  # the newest
     next_time: float
+    asked: bool = False  # whether it is to answer the next beat
+    beat: int = 0  # the newest that it is to answer
 
 
 class Listeners:
     """The parts that think, each with the last beat that it has heard.
 
-    The world stays at an instant at which it has said something until all of them have heard it. What they ask
-    for in return takes effect at this very instant, as in one process, however fast the world runs and however
+    The world stays at an instant at which it has said something until all whom it concerns have heard it. What they
+    ask for in return takes effect at this very instant, as in one process, however fast the world runs and however
     busy the machine is. A world too fast for its minds slows down.
 
     Attributes:
@@ -37,6 +39,16 @@ class Listeners:
         self._asked = 0.0
 
     @property
+    def asked(self) -> bool:
+        """Whether the world has said something since the last beat that one of them has to hear."""
+        return any(part.asked for part in self._parts.values())
+
+    def tell(self, said: Message) -> None:
+        """The world says something: those whom it concerns are to answer the next beat."""
+        for part in self._parts.values():
+            part.asked = part.asked or _concerns(part.said, said)
+
+    @property
     def next_time(self) -> float:
         """The next simulated time (s) at which one of them wants to hear how things are; infinity for never."""
         return min((part.next_time for part in self._parts.values()), default=NEVER)
@@ -45,10 +57,15 @@ class Listeners:
         """The beat that tells at simulated time `now` that the world has said something, and waits."""
         self._beats += 1
         self._since = wall
-        for part in self._parts.values():
+        asked = []
+        for name, part in self._parts.items():
+            if part.asked or part.next_time <= now:
+                asked.append(name)
+                part.asked, part.beat = False, self._beats
             if part.next_time <= now:
                 part.next_time = NEVER
-        return Beat(now, self._beats)
+        # nobody waits for those who were lost; one that only stood still is to say that it is back
+        return Beat(now, self._beats, (*asked, *self.lost))
 
     def hear(self, heard: Heard, wall: float) -> None:
         """Take in how far a part is."""
@@ -57,7 +74,8 @@ class Listeners:
         if heard.leaves:
             self._parts.pop(heard.part, None)
         else:
-            self._parts[heard.part] = _Listener(heard.beat, heard.next_time)
+            part = self._parts.setdefault(heard.part, _Listener(heard, heard.next_time))
+            part.said, part.next_time = heard, heard.next_time
         if waited and not self._late():
             self._waited_s[heard.part] = self._waited_s.get(heard.part, 0.0) + wall - self._since
 
@@ -83,4 +101,13 @@ class Listeners:
         return f"{100.0 * sum(waited_s.values()) / elapsed:.0f} % of the time, most for {most}"
 
     def _late(self) -> list[str]:
-        return [name for name, part in self._parts.items() if part.heard < self._beats]
+        return [name for name, part in self._parts.items() if part.said.beat < part.beat]
+
+
+def _concerns(part: Heard, said: Message) -> bool:
+    """Whether a part may say something upon what the world says."""
+    if isinstance(said, BotReply):
+        return said.bot in part.bots
+    if not isinstance(said, Event) or said.type not in part.reacts:
+        return False
+    return not part.bots or said.bot in part.bots or not part.bots.isdisjoint(said.bots)

@@ -14,7 +14,7 @@ from soup_msgs_py import topics
 from soup_msgs_py.codes import BotState
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets
-from soup_msgs_py.qos import LATCHED
+from soup_msgs_py.qos import SHOWN_LATCHED
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.wire import to_stamp
 
@@ -40,7 +40,7 @@ class Markers:
 
     def __init__(self, node: Node, scenario: Scenario, layout: Layout) -> None:
         """Make the publisher, and everything that never moves."""
-        self._publisher = node.create_publisher(MarkerArray, topics.MARKERS, LATCHED)
+        self._publisher = node.create_publisher(MarkerArray, topics.MARKERS, SHOWN_LATCHED)
         self._scenario = scenario
         self._still = list(self._draw_still(layout))
 

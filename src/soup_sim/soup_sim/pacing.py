@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import math
+
 LONGEST_STRIDE_S = 0.1  # wall time; a machine that is later than this runs the world slower instead of jumping
+
+LONGEST_STRIDE_SIMULATED_S = 10.0  # for a world without a limit to its speed
 
 
 class Pacer:
@@ -19,7 +23,7 @@ class Pacer:
         """Start at the first call of `until`.
 
         Args:
-            speed: Simulated seconds a wall second.
+            speed: Simulated seconds a wall second; infinity: as fast as the parts can.
             end: Simulated time at which the run is over (s).
             paused: Whether time stands at first.
         """
@@ -61,5 +65,9 @@ class Pacer:
             self._allowed = now
             return now
         self.wall_seconds += elapsed
-        self._allowed = min(max(self._allowed, now) + elapsed * self.speed, now + LONGEST_STRIDE_S * self.speed)
+        if math.isinf(self.speed):
+            self._allowed = now + LONGEST_STRIDE_SIMULATED_S
+        else:
+            stride = LONGEST_STRIDE_S * self.speed
+            self._allowed = min(max(self._allowed, now) + elapsed * self.speed, now + stride)
         return max(now, min(self._allowed, self._pause_at, self.end))

@@ -21,7 +21,14 @@ class RunRecord:
         violations: Broken conservation laws so far.
     """
 
-    def __init__(self, world: World, seed: int, summary: Path | None, event_log: Path | None) -> None:
+    def __init__(
+        self,
+        world: World,
+        seed: int,
+        summary: Path | None,
+        event_log: Path | None,
+        resumed: dict[str, Any] | None = None,
+    ) -> None:
         """Begin; the event log is written beside its place and gets its name when the run is over.
 
         Args:
@@ -29,18 +36,31 @@ class RunRecord:
             seed: Its seed, for the summary.
             summary: Where to write the summary, if anywhere.
             event_log: Where to write the events, if anywhere.
+            resumed: The books of a run that goes on from a checkpoint, as `capture` told them.
         """
+        resumed = resumed or {}
         self._world, self._seed = world, seed
         self._summary, self._log_path = summary, event_log
         self._judge = Judge(world.scenario, world.layout, world.snapshot())
+        self._before: int = resumed.get("violations", 0)
         self._half = event_log.with_name(f".{event_log.name}.{os.getpid()}") if event_log is not None else None
-        self._file: IO[str] | None = self._half.open("w", encoding="utf-8") if self._half is not None else None
+        if self._half is not None:
+            _take_over(resumed, self._half)
+        self._file: IO[str] | None = self._half.open("a", encoding="utf-8") if self._half is not None else None
         self._log = EventLog(self._file) if self._file is not None else None
 
     @property
     def violations(self) -> int:
         """Broken conservation laws so far."""
-        return self._judge.count
+        return self._before + self._judge.count
+
+    def capture(self) -> dict[str, Any]:
+        """What a record that goes on from here needs: plain JSON values."""
+        books: dict[str, Any] = {"violations": self.violations}
+        if self._file is not None:
+            self._file.flush()
+            books |= {"log": str(self._half), "bytes": self._file.tell()}
+        return books
 
     def event(self, event: Event) -> None:
         """Take in the next event."""
@@ -60,7 +80,7 @@ class RunRecord:
             self._world.scenario,
             policies,
             self._seed,
-            self._judge.count,
+            self.violations,
         )
         if self._summary is not None:
             write_summary(self._summary, summary)
@@ -81,3 +101,13 @@ class RunRecord:
             self._half.replace(self._log_path)
         else:
             self._half.unlink(missing_ok=True)
+
+
+def _take_over(books: dict[str, Any], half: Path) -> None:
+    """Go on with the event log of a run that was killed, without what happened after its last checkpoint."""
+    before = Path(books.get("log", ""))
+    if not before.is_file():
+        half.write_bytes(b"")
+        return
+    before.replace(half)
+    os.truncate(half, min(books["bytes"], half.stat().st_size))

@@ -62,6 +62,13 @@ class Serving:
         station.visits.append(Visit(bot, request.request, list(request.moves), asked=len(request.moves)))
         self._serve(station)
 
+    def end_soon(self) -> None:
+        """End all requests with the tiles that are being moved now."""
+        for station in self.stations:
+            for visit in station.visits:
+                visit.moves.clear()
+            self._serve(station)
+
     def _transfer_problem(self, request: Transfer) -> tuple[Code, str] | None:
         bot, station = request.bot, request.station
         if self._bodies.bucket[bot] < 0:

@@ -16,6 +16,7 @@ import numpy as np
 
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import BotState, Code, EventType
+from soup_msgs_py.floor_plan import CellsLayout
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.words import WordList
@@ -23,6 +24,7 @@ from soup_sim.agenda import Agenda, Common, Said
 from soup_sim.arrivals import TimedBundle, TimedWord
 from soup_sim.bodies import Bodies
 from soup_sim.driving import Driving
+from soup_sim.layouts.cells import start_places
 from soup_sim.lifting import Lifting
 from soup_sim.orders import Orders, Supply, initial_contents, tile_profile
 from soup_sim.serving import Serving
@@ -58,6 +60,7 @@ class World:
         run: int = 0,
     ) -> None:
         self.scenario, self.layout, self.run = scenario, layout, run
+        self.seed, self.warmup_s = seed, warmup_s
         order_rng, fill_rng, place_rng, supply_rng, station_rng = (
             np.random.Generator(np.random.PCG64(child)) for child in np.random.SeedSequence(seed).spawn(5)
         )
@@ -65,21 +68,19 @@ class World:
         contents = initial_contents(
             scenario.buckets, scenario.bucket.capacity, scenario.initial_inventory, self.tile_profile, fill_rng
         )
-        spots = place_rng.permutation(len(layout.storage_spots))[: scenario.buckets]
-        free = np.setdiff1d(np.arange(len(layout.waypoints)), layout.stations)
-        starts = free[place_rng.permutation(len(free))[: scenario.bots]]
+        starts, spots = _start_places(scenario, layout, place_rng)
 
         self._orders = Orders(scenario, words, timed_words, order_rng)
         self._supply = Supply(scenario, self.tile_profile, timed_bundles, supply_rng)
         self._agenda = Agenda()
         inventory = sum(sum(content.values()) for content in contents)
         self._statistics = Statistics(scenario, self._orders.mean_length, inventory)
-        self._bodies = Bodies(scenario, layout, layout.waypoints[starts], layout.waypoints[layout.storage_spots[spots]])
+        self._bodies = Bodies(scenario, layout, layout.waypoints[starts], layout.waypoints[spots])
         self._common = Common(self._agenda, self._bodies, self._statistics)
         self._driving = Driving(self._common, scenario.bot.collision_penalty_s)
         self._lifting = Lifting(self._common, scenario, layout)
         self._serving = Serving(self._common, scenario, layout, contents, station_rng)
-        for bucket, spot in enumerate(layout.storage_spots[spots].tolist()):
+        for bucket, spot in enumerate(spots.tolist()):
             self._lifting.storage.rest(bucket, spot)
 
         self._waiting_words: OrderedDict[int, m.Word] = OrderedDict()
@@ -87,7 +88,7 @@ class World:
         self._agenda.can(
             word_arrives=self._awaited_word_arrives,
             bundle_arrives=self._awaited_bundle_arrives,
-            warmed_up=self._warmed_up,
+            warmed_up=self.count_anew,
         )
         self._waiting_words.update((word.word, word) for word in self._orders.at_start())
         self._waiting_bundles.update((bundle.bundle, bundle) for bundle in self._supply.at_start())
@@ -269,7 +270,8 @@ class World:
 
     # ---- figures --------------------------------------------------------------------------------------------
 
-    def _warmed_up(self) -> None:
+    def count_anew(self) -> None:
+        """Have the figures cover what comes from now on."""
         self._statistics.begin_window(self.now, self._bodies.driven(self.now))
 
     def statistics(self, wall_seconds: float = 0.0) -> dict[str, float | int]:
@@ -280,6 +282,20 @@ class World:
         return figures
 
     # ---- checkpoint -----------------------------------------------------------------------------------------
+
+    @property
+    def sequence(self) -> int:
+        """Number of the newest event."""
+        return self._agenda.sequence
+
+    def bots_on_paths(self) -> list[int]:
+        """The bots that follow a path, or wait for the time of its beginning."""
+        return self._driving.on_paths()
+
+    def end_transfers(self) -> list[Said]:
+        """Have all transfers end with the tiles that are being moved now; what the world says at once."""
+        self._serving.end_soon()
+        return self._agenda.empty_outbox()
 
     def capture(self) -> dict[str, Any]:
         """Everything that a world with the same scenario, words and layout needs to go on alike: plain JSON values."""
@@ -311,3 +327,12 @@ class World:
             (number, m.Word(number, text, tuple(tiles))) for number, text, tiles in state["waiting_words"]
         )
         self._waiting_bundles = OrderedDict((values[0], m.Bundle(*values)) for values in state["waiting_bundles"])
+
+
+def _start_places(scenario: Scenario, layout: Layout, rng: np.random.Generator) -> tuple[Any, Any]:
+    """The waypoints where bots begin, and those where buckets rest at the start: drawn, or as a world of cells says."""
+    if isinstance(scenario.layout, CellsLayout):
+        return start_places(scenario.layout)
+    spots = rng.permutation(len(layout.storage_spots))[: scenario.buckets]
+    free = np.setdiff1d(np.arange(len(layout.waypoints)), layout.stations)
+    return free[rng.permutation(len(free))[: scenario.bots]], layout.storage_spots[spots]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 import sys
 import time
@@ -18,16 +19,24 @@ from soup_msgs import msg, srv
 from std_srvs.srv import SetBool
 
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import Parser, add_run, add_scenario, add_speed, check_run
+from soup_msgs_py.arguments import (
+    Parser,
+    add_checkpoint,
+    add_run,
+    add_scenario,
+    add_speed,
+    check_checkpoint,
+    check_run,
+)
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.domain import only_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import WAITS, PartsWatch, Report
 from soup_msgs_py.live.services import Answer, serve
-from soup_msgs_py.messages import BotReply, Event, Heard, Reply
+from soup_msgs_py.messages import BotReply, Event, Heard, Reply, WorldState
 from soup_msgs_py.mind import Message
-from soup_msgs_py.policies import Policies, PolicyChoice
-from soup_msgs_py.qos import COMMANDS, DISPLAY, EVERY_ONE, LATCHED
+from soup_msgs_py.policies import Policies, policies_of
+from soup_msgs_py.qos import COMMANDS, EVERY_ONE, LATCHED, SHOWN
 from soup_msgs_py.wire import (
     Announcement,
     assign_bundle_response,
@@ -42,7 +51,7 @@ from soup_msgs_py.wire import (
     to_stamp,
     to_statistics,
 )
-from soup_sim.checkpoint import write_checkpoint
+from soup_sim.checkpoint import come_to_rest, make_checkpoint, restore_checkpoint, write_checkpoint
 from soup_sim.listeners import PATIENCE_S, Listeners
 from soup_sim.markers_node import Markers
 from soup_sim.pacing import Pacer
@@ -53,14 +62,20 @@ from soup_sim.summary import table
 from soup_sim.world import World
 
 TICK_S = 0.01  # wall time between two looks at the pace
+CLOCK_S = 0.04  # wall time between two ticks of /clock; parts that follow the world hear its beats besides
+JUDGE_S = 0.2  # wall time between two looks of the judge at where everything is
 SLOWEST_POSES_S, FASTEST_POSES_S = 0.1, 1.0 / 30.0  # wall time between two poses
 MARKERS_S = 0.25
 SNAPSHOT_S = 1.0
 STATIONS_S = 0.2
 STATISTICS_S = 1.0
+STATE_S = 2.0  # wall time between two checkpoints on a topic, where somebody listens
 LONGEST_STEP_S = 3600.0
 RUN_BITS = 62  # of the number of a run; 0 is for worlds that nobody follows over a network
-FAREWELL = Duration(seconds=0.3)  # for everybody to get the last messages
+FAREWELL_S = 2.0  # wall time at most, for everybody to get the last messages
+NEWEST = "world.checkpoint"
+CHECKPOINT_S = 10.0  # wall time between two, where nobody says how much simulated time
+FASTEST = 10.0  # the real-time factor that is expected of a world without a limit
 CHECKPOINT_SUFFIX = ".checkpoint"  # so that nobody on the network can have another file overwritten
 
 
@@ -86,35 +101,53 @@ class WorldNode:
         self._refused = 0
         self._steps: list[Answer] = []
         self._rate_from = (0.0, 0.0)
-        self._clock = node.create_publisher(Clock, topics.CLOCK, DISPLAY)
+        self._clock = node.create_publisher(Clock, topics.CLOCK, SHOWN)
         self._scenario = node.create_publisher(msg.Scenario, topics.SCENARIO, LATCHED)
+        # the newest one alone: a newcomer that began with an older one would lack the events in between
         self._snapshot = node.create_publisher(msg.Snapshot, topics.SNAPSHOT, LATCHED)
-        self._bots = node.create_publisher(msg.Bots, topics.BOTS, DISPLAY)
-        self._buckets = node.create_publisher(msg.Buckets, topics.BUCKETS, DISPLAY)
-        self._stations = node.create_publisher(msg.Stations, topics.STATIONS, DISPLAY)
+        self._bots = node.create_publisher(msg.Bots, topics.BOTS, SHOWN)
+        self._buckets = node.create_publisher(msg.Buckets, topics.BUCKETS, SHOWN)
+        self._stations = node.create_publisher(msg.Stations, topics.STATIONS, SHOWN)
         self._events = node.create_publisher(msg.Event, topics.EVENTS, EVERY_ONE)
         self._replies = node.create_publisher(msg.BotReply, topics.REPLIES, EVERY_ONE)
         self._listeners = Listeners()
-        self._unheard = False  # whether the world has said something since the last beat
         self._beat = node.create_publisher(msg.Beat, topics.BEAT, LATCHED)
-        self._sensed_bots = node.create_publisher(msg.Bots, topics.SENSED_BOTS, DISPLAY)
-        self._sensed_buckets = node.create_publisher(msg.Buckets, topics.SENSED_BUCKETS, DISPLAY)
-        self._statistics = node.create_publisher(msg.Statistics, topics.STATISTICS, DISPLAY)
+        self._sensed_bots = node.create_publisher(msg.Bots, topics.SENSED_BOTS, SHOWN)
+        self._sensed_buckets = node.create_publisher(msg.Buckets, topics.SENSED_BUCKETS, SHOWN)
+        self._statistics = node.create_publisher(msg.Statistics, topics.STATISTICS, SHOWN)
+        self._state = node.create_publisher(msg.WorldState, topics.STATE, LATCHED)
         self._markers = Markers(node, world.scenario, world.layout)
         self._parts = PartsWatch(live, node)
         self._report = Report(live, node)
         self._report.works()
         self._listen(node)
         profile = tuple(map(float, world.tile_profile))
-        self._scenario.publish(to_ros(Announcement(world.now, world.scenario, world.layout, profile, world.run)))
+        announcement = Announcement(
+            world.now, world.scenario, world.layout, profile, world.run, world.seed, world.warmup_s
+        )
+        self._scenario.publish(to_ros(announcement))
+        self._state_time = -1.0  # of the newest checkpoint on the topic
+        self._checkpoints: Path | None = None
+        self._every_s = self._checkpoint_due = 0.0
         self._poses_s = world.scenario.bot.radius_m / world.scenario.bot.max_speed_mps
-        self._poses_due = 0.0
+        self._clock_due = self._poses_due = self._judge_due = 0.0
         live.every(TICK_S, self._tick)
         live.every(SNAPSHOT_S, self._publish_snapshot)
         live.every(STATIONS_S, lambda: self._stations.publish(to_ros(world.stations())))
         live.every(STATISTICS_S, self._publish_statistics)
         live.every(STATISTICS_S, self._report_waits)
+        live.every(STATE_S, self._publish_state)
         live.every(MARKERS_S, lambda: self._markers.publish(world.bots(), world.buckets()))
+
+    def keep_checkpoints(self, file: Path, every_s: float | None) -> None:
+        """Write the state of the world to a file from now on.
+
+        Args:
+            file: Where the newest checkpoint stands.
+            every_s: Simulated time between two (s); without: ten seconds of wall time.
+        """
+        speed = self._pacer.speed if math.isfinite(self._pacer.speed) else FASTEST
+        self._checkpoints, self._every_s = file, every_s or CHECKPOINT_S * speed
 
     def _listen(self, node: Any) -> None:
         live, bots = self._live, self._world.scenario.bots
@@ -123,6 +156,7 @@ class WorldNode:
             live.subscribe(node, Twist, velocity, lambda m, bot=bot: self._ask(from_twist(m, bot)), COMMANDS)
             live.subscribe(node, RosPath, path, lambda m, bot=bot: self._ask(from_path(m, bot)), COMMANDS)
         live.follow(node, msg.Heard, topics.HEARD, self._on_heard, EVERY_ONE)
+        # the last one: who sees it knows that the world listens to the others, too
         live.subscribe(node, msg.BotRequest, topics.REQUESTS, lambda m: self._ask(from_bot_request(m, bots)), EVERY_ONE)
         serve(live, node, srv.AssignWord, topics.ASSIGN_WORD, self._on_assign_word)
         serve(live, node, srv.AssignBundle, topics.ASSIGN_BUNDLE, self._on_assign_bundle)
@@ -134,12 +168,7 @@ class WorldNode:
 
     def policies(self) -> Policies:
         """What the parts that are at work say that they follow."""
-        chosen = dict.fromkeys(("word", "letter", "fleet", "bot"), "none")
-        for part, values in self._parts.at_work.items():
-            role = part.split()[0].removesuffix("s")
-            if role in chosen and "policy" in values:
-                chosen[role] = values["policy"]
-        return Policies(**{role: PolicyChoice(name=name) for role, name in chosen.items()})
+        return policies_of(self._parts.at_work)
 
     # ---- time ---------------------------------------------------------------------------------------------
 
@@ -147,14 +176,21 @@ class WorldNode:
         self._advance()
         world, wall = self._world, time.monotonic()
         self._report.time = world.now
-        self._clock.publish(Clock(clock=to_stamp(world.now)))
+        if wall >= self._clock_due:
+            self._clock_due = wall + CLOCK_S
+            self._clock.publish(Clock(clock=to_stamp(world.now)))
         if wall >= self._poses_due:
             period = self._poses_s / self._pacer.speed
             self._poses_due = wall + min(max(period, FASTEST_POSES_S), SLOWEST_POSES_S)
-            bots, buckets = world.bots(), world.buckets()
-            self._buckets.publish(to_ros(buckets))
-            self._bots.publish(to_ros(bots))
-            self._record.poses(bots, buckets)
+            if self._buckets.get_subscription_count():
+                self._buckets.publish(to_ros(world.buckets()))
+            self._bots.publish(to_ros(world.bots()))
+        if wall >= self._judge_due:
+            self._judge_due = wall + JUDGE_S
+            self._record.poses(world.bots(), world.buckets())
+        if self._checkpoints is not None and world.now >= self._checkpoint_due:
+            self._checkpoint_due = world.now + self._every_s
+            self._write_checkpoint(self._checkpoints)
         if self._steps and self._pacer.paused:
             for answer in self._steps:
                 answer.give(fill_result(srv.Step.Response(), Code.DONE, f"it is {world.now:g} s now"))
@@ -164,23 +200,26 @@ class WorldNode:
             self._publish_snapshot()
             self._publish_statistics()
             for publisher in (self._events, self._replies, self._snapshot, self._statistics):
-                publisher.wait_for_all_acked(FAREWELL)
+                left = max(0.0, wall + FAREWELL_S - time.monotonic())
+                publisher.wait_for_all_acked(Duration(seconds=left))
             self._live.stop()
 
     def _advance(self) -> None:
         """Go as far as the pace allows, but not past an instant at which something was said that a part has to hear."""
-        wall, world = time.monotonic(), self._world
+        wall, world, listeners = time.monotonic(), self._world, self._listeners
         until = self._pacer.until(wall, world.now)
-        while not self._listeners.wait(wall, paused=self._pacer.paused):
-            if not self._unheard:
-                self._tell(world.advance(max(world.now, min(until, self._listeners.next_time)), pause=True))
-            if self._listeners.next_time <= world.now:
+        while not listeners.wait(wall, paused=self._pacer.paused):
+            if not listeners.asked:
+                said = world.advance(max(world.now, min(until, listeners.next_time)), pause=True)
+                self._tell(said)
+                if not listeners.asked and world.now < listeners.next_time:
+                    if said:
+                        continue  # nobody has to hear it
+                    return
+            if listeners.next_time <= world.now:
                 self._sensed_buckets.publish(to_ros(world.buckets()))
                 self._sensed_bots.publish(to_ros(world.bots()))
-            elif not self._unheard:
-                return
-            self._unheard = False
-            self._beat.publish(to_ros(self._listeners.beat(world.now, wall)))
+            self._beat.publish(to_ros(listeners.beat(world.now, wall)))
 
     def _on_heard(self, heard: Heard) -> None:
         self._listeners.hear(heard, time.monotonic())
@@ -190,14 +229,14 @@ class WorldNode:
         """Hand a request to the world at the time that it is now; its answer to a manager."""
         self._advance()
         answer = self._tell(self._world.handle(message))
-        if self._unheard:
+        if self._listeners.asked:
             self._advance()
         return answer
 
     def _tell(self, said: list[Event | BotReply | Reply]) -> Reply | None:
         answer = None
-        self._unheard |= bool(said)
         for message in said:
+            self._listeners.tell(message)
             if isinstance(message, Event):
                 self._record.event(message)
                 self._events.publish(to_ros(message))
@@ -246,8 +285,8 @@ class WorldNode:
     def _on_set_speed(self, request: srv.SetSpeed.Request, answer: Answer) -> None:
         self._advance()
         factor = request.real_time_factor
-        if not 0.0 < factor < float("inf"):
-            why = f"found a real-time factor of {factor:g}; allowed: a number above 0"
+        if not factor > 0.0:
+            why = f"found a real-time factor of {factor:g}; allowed: a number above 0, inf for no limit"
             answer.give(fill_result(srv.SetSpeed.Response(), Code.INVALID, why))
             return
         self._pacer.speed = factor
@@ -263,15 +302,26 @@ class WorldNode:
             )
         else:
             try:
-                write_checkpoint(path, self._world)
+                self._write_checkpoint(path)
             except OSError as error:
                 code, message = Code.INVALID, f"{path}: {error.strerror}"
         answer.give(fill_result(srv.Checkpoint.Response(), code, message))
+
+    def _write_checkpoint(self, path: Path) -> None:
+        books = {**self._record.capture(), "wall_seconds": self._pacer.wall_seconds}
+        write_checkpoint(path, self._world, books)
 
     # ---- now and then -------------------------------------------------------------------------------------
 
     def _publish_snapshot(self) -> None:
         self._snapshot.publish(to_ros(self._world.snapshot()))
+
+    def _publish_state(self) -> None:
+        world = self._world
+        if self._state.get_subscription_count() == 0 or world.now == self._state_time:
+            return
+        self._state_time = world.now
+        self._state.publish(to_ros(WorldState(world.now, world.run, world.sequence, make_checkpoint(world))))
 
     def _report_waits(self) -> None:
         self._report.values[WAITS] = self._listeners.waited(time.monotonic())
@@ -299,9 +349,11 @@ def main(argv: Sequence[str] | None = None, *, scenario: Path | None = None) -> 
     add_scenario(parser, scenario)
     add_run(parser)
     add_speed(parser)
+    add_checkpoint(parser)
     parser.add_argument("--paused", action="store_true", help="time stands until /world/pause is called")
     options = parser.parse_args(argv)
     check_run(parser, options)
+    check_checkpoint(parser, options)
     return exit_status(lambda: run_world(options))
 
 
@@ -316,16 +368,27 @@ def run_world(options: Any) -> None:
     stay_on_this_machine()
     with Live("world") as live:
         node = live.node(topics.WORLD_NODE)
-        with only_world(live, node):
+        with only_world(live, node, look=not options.restore):
             if live.stopping:
                 return
             console = Console()
             console.print(warehouse.words.describe(), style="dim", highlight=False)
             world = warehouse.world(options.seed, options.warmup, run=secrets.randbits(RUN_BITS))
             pacer = Pacer(options.speed, options.duration or float("inf"), paused=options.paused)
-            record = RunRecord(world, options.seed, options.summary, options.event_log)
+            books: dict[str, Any] = {}
+            file = options.checkpoint / NEWEST if options.checkpoint is not None else None
+            if options.restore and file is not None and file.exists():
+                books = restore_checkpoint(file, world)
+                pacer.wall_seconds = books.get("wall_seconds", 0.0)
+            record = RunRecord(world, options.seed, options.summary, options.event_log, books)
             try:
+                if books:
+                    for said in come_to_rest(world):
+                        if isinstance(said, Event):
+                            record.event(said)
                 shell = WorldNode(live, node, world, pacer, record)
+                if file is not None:
+                    shell.keep_checkpoints(file, options.every)
                 live.spin()
                 summary = record.finish(pacer.wall_seconds, shell.policies())
             finally:

@@ -11,15 +11,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from soup_managers.coordination.adopting import drives_on, purpose_of, works_on
 from soup_managers.coordination.digging import Digging
 from soup_managers.coordination.fetching import Fetch, Fetching
 from soup_managers.coordination.jobs import Job
 from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
+from soup_managers.coordination.settling import Settling
 from soup_managers.coordination.situation import Situation
 from soup_managers.coordination.watch import Watch
 from soup_managers.explain import Explain
+from soup_managers.fleet_tasks import goal_tiles
 from soup_managers.manager import Manager
 from soup_managers.policies.coordinated import Coordinated
 from soup_managers.traffic import Traffic
@@ -42,6 +45,7 @@ from soup_msgs_py.messages import (
     TaskFeedback,
     TaskResult,
     TaskState,
+    TileMove,
     Trip,
     TripGoal,
     TripResult,
@@ -51,6 +55,7 @@ from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.scenario import Scenario
 
 TICK_S = 1.0  # between two looks at all stations
+AT_ONCE = 10  # bots that may try again in that time
 RETRY_S = 0.5  # before a way that could not be planned is tried again
 BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another one
 TRIES = 8  # alternatives that are tried at once
@@ -60,6 +65,9 @@ NEVER_LEFT = frozenset({Code.LATE, Code.BUSY, Code.PENALISED})  # results of dri
 GONE = frozenset({Code.STOPPED, Code.UNKNOWN})  # results that somebody else had to give
 GIVE_UP_S = 20.0  # a bucket that could not get to its station for so long does something else
 WAITS_S = 15.0  # a bucket waits no longer for a bundle
+_REACTS_TO = frozenset({EventType.WORD_COMPLETED, EventType.BUNDLE_EMPTIED})
+_WITH_GOALS_AHEAD = _REACTS_TO | {EventType.WORD_ASSIGNED}
+NEARLY_ALL = 0.9  # tasks: some words may only just have been opened
 KEEP_ROOM = 4  # a bucket with less room is done at a letter station
 
 
@@ -96,9 +104,12 @@ class CoordinatedFleet(Manager):
         self._kept_free[[spot for spots in self._waiting_spots for spot in spots]] = True
         self._lines: list[list[Robot | None]] = [[None] * len(line) for line in self._traffic.lines]
         self._early: list[Message] = []
+        self._told: dict[int, BotStatus] = {}  # bots that say that they stand or work, and are still to be seen there
+        self._ahead: dict[int, DeliverGoal | StoreGoal] = {}  # by word: goals that came before it was opened
         self._orders = 0
         self._watch = Watch(self.situation.robots)
         self._line_of = {place: station for station, line in enumerate(self._traffic.lines) for place in line}
+        self._settling = Settling()
         self._tick = NEVER
         self._brakes_s = scenario.bot.max_speed_mps / scenario.bot.max_acceleration_mps2
         self._halted: set[int] = set()  # bots that were told to stop on their way, and are not seen to stand yet
@@ -137,9 +148,19 @@ class CoordinatedFleet(Manager):
         )
 
     @property
+    def stalled(self) -> dict[int, str]:
+        """Bots that are left alone until they answer and are seen where they stand, and what went wrong."""
+        return {bot: robot.note for bot, robot in sorted(self._watch.lost.items())}
+
+    @property
+    def reacts_to(self) -> frozenset[EventType]:
+        """The ends of its tasks; all else it learns from who does it."""
+        return _WITH_GOALS_AHEAD if self._ahead else _REACTS_TO
+
+    @property
     def wants_places(self) -> bool:
         """Whether it has to see where bots stand."""
-        return self._watch.wants_places
+        return bool(self._told) or self._watch.wants_places
 
     def wake(self, now: float) -> list[Message]:
         """Look after all stations, and try again what was not possible."""
@@ -151,6 +172,7 @@ class CoordinatedFleet(Manager):
         if now < self._tick:
             return self._act(now)
         self._tick = now + TICK_S
+        self._settle(now)
         self._find_again(now)
         for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
             del self._waiting[robot.number]
@@ -164,12 +186,14 @@ class CoordinatedFleet(Manager):
 
     def on_world(self, now: float) -> list[Message]:
         """Make the books about buckets anew from the view, and hear what came before it."""
+        self._settling.begin(now)
         self.situation.take_over()
         self._places.take_over(self.view.bucket_on, self.view.storage_spots)
         for robot in self.situation.robots:
             if robot.load >= 0:
                 self.situation.free_buckets[robot.load] = False
-        early, self._early = self._early, []
+        # words may have been opened without an event that was heard
+        early, self._early, self._ahead = [*self._early, *self._ahead.values()], [], {}
         said = [answer for message in early for answer in self.handle(message, now)]
         for job in list(self.situation.jobs.all.values()):
             self._correct(job)
@@ -184,6 +208,8 @@ class CoordinatedFleet(Manager):
             situation.stock.put(event.bucket, event.tile, -1 if delivered else 1)
             situation.jobs.moved((DELIVER if delivered else STORE, event.job), event.tile)
             situation.changed(event.station)
+        elif kind is EventType.WORD_ASSIGNED and event.job in self._ahead:
+            return self._handle_goal(self._ahead.pop(event.job), now)
         elif kind is EventType.WORD_COMPLETED or kind is EventType.BUNDLE_EMPTIED:
             job = situation.jobs.all.get((DELIVER if kind is EventType.WORD_COMPLETED else STORE, event.job))
             if job is not None:
@@ -207,9 +233,11 @@ class CoordinatedFleet(Manager):
         kind = DELIVER if isinstance(goal, DeliverGoal) else STORE
         if not self.view.ready:
             self._early.append(goal)
-            tiles = goal.tiles if isinstance(goal, DeliverGoal) else (goal.tile,) * goal.count
-            return [TaskFeedback(kind, goal.task, tiles, "the fleet waits for a snapshot of the world")]
+            return [TaskFeedback(kind, goal.task, goal_tiles(goal), "the fleet waits for a snapshot of the world")]
         number = goal.word if isinstance(goal, DeliverGoal) else goal.bundle
+        if kind == DELIVER and number in self.view.waiting_words:
+            self._ahead[number] = goal  # its word is not known to be open yet
+            return []
         if not self._is_there(kind, number, goal.station):
             what = f"word {number} is not open" if kind == DELIVER else f"bundle {number} is not staged"
             return [TaskResult(kind, goal.task, Code.UNKNOWN, f"{what} on station {goal.station}")]
@@ -243,14 +271,34 @@ class CoordinatedFleet(Manager):
         if status.trip is not None:
             self._orders = max(self._orders, status.trip.trip)
         self._set_alarm()
-        if status.phase is not Phase.IDLE:
-            return []
-        if robot.activity is Activity.AWAY:
+        stands, is_new = status.phase is Phase.IDLE, robot.activity is Activity.UNKNOWN
+        self._told.pop(status.bot, None)
+        if stands and robot.activity is Activity.AWAY:
             robot.failed_at = max(robot.failed_at, status.time)  # where it was seen before, it may not be any more
-        if robot.activity is not Activity.UNKNOWN:
+        if is_new and drives_on(status):
+            self._adopt_drive(robot, status)
+            return self._act(now)
+        if (is_new and (stands or works_on(status))) or (stands and robot.adopted):
+            self._told[robot.number] = status
+            return self._enter(now)
+        return []
+
+    def _enter(self, now: float) -> list[Message]:
+        """Enter the bots that have told that they stand, and were seen since: where they were before, they drove."""
+        seen = [bot for bot, status in self._told.items() if status.time <= self.view.seen_at]
+        for bot in seen:
+            status, robot = self._told.pop(bot), self.situation.robots[bot]
+            if robot.adopted:
+                self._end_adopted(robot, status, now)
+            elif robot.activity is Activity.UNKNOWN:
+                del self._watch.unplaced[bot]
+                if status.trip is None:
+                    self._stands(robot, status.bucket, now)
+                    self._take_place_in_line(robot)
+                else:
+                    self._adopt_trip(robot, status.trip, status.bucket, now)
+        if not seen:
             return []
-        del self._watch.unplaced[robot.number]
-        self._stands(robot, status.bucket, now)
         if not self._watch.unplaced:
             self._fetch(now)
         return self._act(now)
@@ -264,6 +312,7 @@ class CoordinatedFleet(Manager):
             if self._watch.unplaced:
                 for robot in self._watch.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
                     self._stands_dead(robot, now)
+                return self._enter(now)
         return []
 
     def _handle_result(self, result: DriveResult | TripResult, now: float) -> list[Message]:
@@ -284,7 +333,7 @@ class CoordinatedFleet(Manager):
     def _is_there(self, kind: str, number: int, station: int) -> bool:
         if kind == DELIVER:
             word = self.view.open_words.get(number)
-            return word.station == station if word is not None else number in self.view.waiting_words
+            return word is not None and word.station == station
         bundle = self.view.staged_bundles.get(number)
         return bundle is not None and bundle.station == station
 
@@ -296,8 +345,6 @@ class CoordinatedFleet(Manager):
         else:
             bundle = self.view.staged_bundles.get(job.job)
             left = [bundle.tile] * bundle.count if bundle is not None else []
-        if job.job in self.view.waiting_words and job.kind == DELIVER:
-            return
         asked = []
         for tile in job.missing:
             if tile in left:
@@ -305,6 +352,65 @@ class CoordinatedFleet(Manager):
                 asked.append(tile)
         self.situation.jobs.correct(job, asked)
         self.situation.changed(job.station)
+
+    # ---- what an earlier fleet has begun --------------------------------------------------------------------
+
+    def _adopt_drive(self, robot: Robot, status: BotStatus) -> None:
+        """A bot drives where an earlier fleet has sent it: what for is to be seen by where that is."""
+        del self._watch.unplaced[robot.number]
+        self._traffic.adopt(robot.number, status.points, status.stamps)
+        goal = robot.waypoint = self._places.nearest(*status.points[-1])
+        self._places.take(goal)
+        robot.activity, robot.adopted, robot.asked_at = Activity.DRIVES, True, NEVER
+        robot.bucket, robot.arrives = status.bucket, status.stamps[-1]
+        self._note_place(robot)
+        if robot.bucket < 0:
+            bucket = self.view.bucket_on.get(goal, -1)
+            if bucket >= 0 and self.situation.free_buckets[bucket]:
+                robot.purpose, robot.target = Purpose.FETCH, bucket
+                self.situation.free_buckets[bucket] = False
+            return
+        self.situation.free_buckets[robot.bucket] = False
+        if self._places.is_spot[goal]:
+            robot.purpose = Purpose.STORE
+        self._take_place_in_line(robot)
+
+    def _end_adopted(self, robot: Robot, status: BotStatus, now: float) -> None:
+        """The drive of an earlier fleet has ended, at its goal or before."""
+        robot.adopted, robot.bucket = False, status.bucket
+        x, y = self._layout.waypoints[robot.waypoint]
+        away = abs(self.view.bot_x[robot.number] - x) + abs(self.view.bot_y[robot.number] - y)
+        if away <= self._scenario.bot.tolerance_m:
+            self._arrived(robot, now)
+        else:
+            self._failed(robot, Code.STOPPED, "stopped on its way", True, now)
+
+    def _adopt_trip(self, robot: Robot, trip: Trip, bucket: int, now: float) -> None:
+        """A bot lifts, sets down or serves, and will tell how that ended."""
+        self._place(robot, bucket, now)
+        robot.activity, robot.asked_at, robot.order = Activity.WORKS, now, trip.trip
+        robot.purpose = purpose_of(trip)
+        self.situation.free_buckets[trip.bucket] = False
+        if robot.purpose is Purpose.FETCH:
+            robot.bucket, robot.target = -1, trip.bucket
+        elif robot.purpose is Purpose.SERVE:
+            robot.purpose = Purpose.NONE
+            station = trip.visits[0].station
+            if self._traffic.lines[station][0] == self._traffic.at(robot.number):
+                self._take_slot(robot, station, 0)
+
+    def _take_place_in_line(self, robot: Robot) -> None:
+        """A bot that waits in a station's line with a bucket keeps its place."""
+        station = self._line_of.get(robot.waypoint, -1)
+        if robot.bucket >= 0 and station >= 0:
+            self._take_slot(robot, station, self._traffic.lines[station].index(robot.waypoint))
+
+    def _take_slot(self, robot: Robot, station: int, slot: int) -> None:
+        """A bot has a place in a station's line, if nobody else has."""
+        if self._lines[station][slot] is None:
+            self._bind(robot, station)
+            robot.purpose, robot.slot = Purpose.SERVE, slot
+            self._lines[station][slot] = robot
 
     # ---- where bots stand ----------------------------------------------------------------------------------
 
@@ -332,7 +438,7 @@ class CoordinatedFleet(Manager):
         if robot.waypoint >= 0:
             self._places.leave(robot.waypoint)
         robot.waypoint = self._places.nearest(x, y)
-        robot.bucket, robot.target, robot.purpose = bucket, -1, Purpose.NONE
+        robot.bucket, robot.target, robot.purpose, robot.adopted = bucket, -1, Purpose.NONE, False
         self._places.take(robot.waypoint)
         self._halted.discard(robot.number)
         self._traffic.stand_at(robot.number, x, y, now)
@@ -391,7 +497,7 @@ class CoordinatedFleet(Manager):
         while stopped:
             for number in self._traffic.conflicts(stopped.pop().number):
                 other = self.situation.robots[number]
-                if other.activity is Activity.DRIVES and number not in self._halted:
+                if other.activity is Activity.DRIVES and number not in self._halted and not other.adopted:
                     self._halted.add(number)
                     self._said.append(CancelDrive(number, other.order))
                     self._traffic.halt(number, now, 2.0 * self.lead_s)
@@ -415,6 +521,8 @@ class CoordinatedFleet(Manager):
         if self._traffic.at(robot.number) == goal:
             self._arrived(robot, now)
             return True
+        if not self._settling.over:
+            return False
         loaded = robot.bucket >= 0
         leg = self._traffic.plan(
             robot.number,
@@ -484,7 +592,9 @@ class CoordinatedFleet(Manager):
 
     def _later(self, robot: Robot, now: float, why: str) -> None:
         robot.note = why
-        robot.retry_at = now + RETRY_S
+        # where many wait, after a restart for instance, nearly all would try in vain again and again
+        many = len(self._waiting) / AT_ONCE if self._settling.over else 1.0
+        robot.retry_at = now + RETRY_S * max(1.0, many)
         self._waiting[robot.number] = robot
 
     def _resume(self, robot: Robot, now: float) -> None:
@@ -502,9 +612,23 @@ class CoordinatedFleet(Manager):
     def _set_alarm(self) -> None:
         self.next_wake = min(self._tick, self._watch.next_time)
 
+    def _settle(self, now: float) -> None:
+        """Look whether bots may be sent about by now; then all do what they have waited with."""
+        if self._settling.look(bool(self._watch.unplaced), self._has_all_tasks, now):
+            for robot in self._waiting.values():
+                robot.retry_at = min(robot.retry_at, now)
+
+    def _has_all_tasks(self) -> bool:
+        """Whether nearly all words and bundles that are on stations are in tasks, and some are."""
+        jobs, view = self.situation.jobs.all, self.view
+        words = [word for word, state in view.open_words.items() if state.missing]
+        tasks = [*((DELIVER, word) for word in words), *((STORE, bundle) for bundle in view.staged_bundles)]
+        return bool(tasks) and sum(task in jobs for task in tasks) >= NEARLY_ALL * len(tasks)
+
     def _act(self, now: float) -> list[Message]:
         """Decide what is to be decided, and say it."""
         self._explain.now = now
+        self._settle(now)
         while self._undecided or self._moved_lines:
             if self._undecided:
                 self._onward(self._undecided.pop(0), now)
@@ -640,14 +764,14 @@ class CoordinatedFleet(Manager):
         if robot.activity is not Activity.STANDS or robot.bucket < 0:
             return
         situation = self.situation
+        if not self._settling.over and not self._stays_at_dock(robot):
+            self._later(robot, now, "waits until all bots have told what they do")
+            return
         if robot.purpose is Purpose.SERVE:
             if robot.slot != 0:
                 return
             station = robot.station
-            if situation.is_word_station(station):
-                moves = situation.jobs.deliveries(station, situation.stock.of(robot.bucket))
-            else:
-                moves = situation.jobs.fillings(station, situation.room(robot.bucket))
+            moves = self._moves(robot, station)
             if moves:
                 robot.blocked_since = NEVER
                 self._work(robot, robot.bucket, (Visit(station, moves, ()),), (), now)
@@ -657,6 +781,25 @@ class CoordinatedFleet(Manager):
                 return
         if not self._serve_on(robot, now):
             self._store(robot, now)
+
+    def _moves(self, robot: Robot, station: int) -> tuple[TileMove, ...]:
+        """The tiles that can be moved between a bot's bucket and a station."""
+        situation = self.situation
+        if situation.is_word_station(station):
+            return situation.jobs.deliveries(station, situation.stock.of(robot.bucket))
+        return situation.jobs.fillings(station, situation.room(robot.bucket))
+
+    def _stays_at_dock(self, robot: Robot) -> bool:
+        """Whether a bot stands at a dock that nobody else has and where its bucket is of use; it serves there then."""
+        if robot.purpose is Purpose.SERVE:
+            return robot.slot == 0 and bool(self._moves(robot, robot.station))
+        station = self._line_of.get(robot.waypoint, -1)
+        if station < 0 or self._traffic.lines[station][0] != self._traffic.at(robot.number):
+            return False
+        if self._lines[station][0] is not None or not self._moves(robot, station):
+            return False
+        self._take_slot(robot, station, 0)
+        return True
 
     def _worth_waiting(self, robot: Robot, now: float) -> bool:
         """Whether a bucket stays for a while at a letter station that has nothing for it just now."""
@@ -734,7 +877,7 @@ class CoordinatedFleet(Manager):
 
     def _fetch(self, now: float) -> None:
         """Have buckets fetched for the stations that run out of work."""
-        if not self._watch.unplaced:
+        if self._settling.over and not self._watch.unplaced:
             for fetch in self._fetching.choose(now):
                 self._send_for(fetch, now)
 

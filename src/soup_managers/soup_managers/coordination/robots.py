@@ -46,6 +46,7 @@ class Robot:
         blocked_since: Since when it has waited for a way to its station (s).
         retry_at: When a way that could not be planned is tried again (s).
         failed_at: When it last told that something went wrong (s).
+        adopted: Whether it is on a drive that an earlier fleet asked it for.
         note: What it waits for, for people.
     """
 
@@ -63,6 +64,7 @@ class Robot:
     blocked_since: float = NEVER
     retry_at: float = 0.0
     failed_at: float = 0.0
+    adopted: bool = False
     note: str = field(default="")
 
     @property

@@ -13,7 +13,6 @@ import heapq
 import math
 import time
 from collections import deque
-from itertools import pairwise
 
 import numpy as np
 
@@ -21,14 +20,19 @@ from soup_managers.planners.moves import Moves
 from soup_managers.planners.plan import PICK_OR_DROP, WAIT, Answer, Task
 from soup_managers.planners.remaining import MOST_OWNERS, Remaining
 from soup_managers.planners.sequences import Distances, Ints, anneal, first_sequences, least_makespan
-from soup_managers.planners.spacetime import FOR_EVER, Calendar
-from soup_managers.planners.world import World
+from soup_managers.planners.spacetime import FOR_EVER, Calendar, letters_of, sides_of
+from soup_managers.planners.successors import fewest_steps
+from soup_msgs_py.cell_world import World
 from soup_msgs_py.errors import InputError
 
-ROUNDS = 500_000  # changes of one annealing
-HEATS = (30.0, 300.0, 3000.0)  # one after the other, as long as no plan gets shorter
-LATE = 0.5  # of the lower bound: a robot that works for longer is late, the more the worse
+EACH_LONG = 5  # of so many plans, one has its boxes divided anew with all rounds, the others begin with its division
+SHARE = 20  # the others take this part of the rounds
+LONG = 0.2  # of the time: no division takes longer
+PRICED_S = 15.0  # with so much time, a better lower bound is worth some seconds
+HEAT, WARMTH = 300.0, 30.0  # what annealing begins with: anew, and from a good division
+LATE = (1.2, 1.15, 1.1)  # steps after which a robot is late, in lower bounds
 LONGEST = 12  # calendar: times the lower bound
+SAME = 1e-6  # sums of fractions may be larger by so much than they are
 
 
 def anytime(task: Task) -> Answer:
@@ -52,10 +56,7 @@ class _Search:
         self.best: tuple[str, ...] | None = None
         _load_kernels()
         self._begun = time.perf_counter()
-        self._neighbours = np.full((world.cells, 4), -1, np.int32)
-        for cell, moves in enumerate(world.moves):
-            for side, (_, there) in enumerate(moves):
-                self._neighbours[cell, side] = there
+        self._neighbours = sides_of(world)
         self._to_box = [np.array(world.distances([box]), np.int32) for box in world.boxes]
         self._to_shelf = [np.array(world.distances([shelf]), np.int32) for shelf in world.shelves]
         self._distances = Distances(
@@ -80,29 +81,41 @@ class _Search:
         boxes, robots = len(world.boxes), len(world.robots)
         start = first_sequences(self._distances)
         delays = np.zeros(robots)
-        since = 0
         kept: tuple[Ints, Ints, Ints] = start
-        shortest = math.inf
+        shortest, target = math.inf, self.bound
+        rounds, few = self._task.rounds, self._task.rounds // SHARE
         d = self._distances
         while True:
             order, count, shelf = (table.copy() for table in kept)
             if self._tried:  # the first plan has to be there at once
                 taken = np.full(len(world.shelves), -1, np.int32)
                 taken[shelf] = np.arange(boxes)
+                anew = self._tried % EACH_LONG == 2  # the second plan is to be there soon
+                heat = HEAT if anew or self._tried == 1 else WARMTH
+                began = time.perf_counter()
+                late_from = target * LATE[self._tried // EACH_LONG % len(LATE)]
                 anneal(
                     order, count, shelf, taken, np.empty(robots), np.empty(boxes, np.int64), delays, d.first, d.carry,
-                    d.back, d.near_boxes, d.near_shelves, LATE * self.bound, ROUNDS, HEATS[since % len(HEATS)],
+                    d.back, d.near_boxes, d.near_shelves, late_from, rounds if anew else few, heat,
                     self._task.seed + self._tried,
                 )  # fmt: skip
+                if self._tried == 1 and math.isfinite(limit):
+                    a_round = (time.perf_counter() - began) / few
+                    rounds = min(rounds, int(LONG * limit / a_round))
+                    few = min(few, rounds)
+                if anew:
+                    kept = order.copy(), count.copy(), shelf.copy()
             found = self._play(order, count, shelf, shortest)
             self._tried += 1
-            since += 1
+            if self._tried == 2 and limit >= PRICED_S and math.isfinite(limit):
+                self.bound = max(self.bound, math.ceil((fewest_steps(d) + 2 * boxes) / robots - SAME))
             if found is not None:
                 plans, makespan, late = found
                 delays = 0.5 * delays + 0.5 * late
                 if makespan < shortest:
-                    shortest, self.best, kept, since = makespan, plans, (order, count, shelf), 0
-            if shortest <= self.bound or time.perf_counter() - self._begun > limit:
+                    shortest, self.best, kept = makespan, plans, (order, count, shelf)
+            is_over = time.perf_counter() - self._begun > limit or self._tried >= self._task.most_tries
+            if shortest <= self.bound or is_over:
                 break
         note = "" if self.best is not None else f"no plan within {limit:g} s"
         return self._answer(self.best, note)
@@ -126,6 +139,8 @@ class _Search:
         steps = int(min(shortest, LONGEST * self.bound + 200)) + 2
         calendar = Calendar(steps, world.cells)
         cells, cut = list(world.robots), _Floor(world)
+        if not self._task.rules.carries_over:
+            calendar.boxed[list(world.boxes)] = FOR_EVER
         for robot, cell in enumerate(cells):
             calendar.closed[cell] = 0
             calendar.who[0, cell] = robot
@@ -167,7 +182,10 @@ class _Search:
             calendar.closed[goal] = dropped - 1
             calendar.who[dropped, goal] = robot
             letters[robot] += [WAIT] * (now - len(letters[robot]))
-            letters[robot] += self._letters(way, world.boxes[box])
+            added = self._letters(way, world.boxes[box])
+            if not self._task.rules.carries_over:
+                calendar.boxed[world.boxes[box]] = now + added.index(PICK_OR_DROP) + 1
+            letters[robot] += added
             cells[robot] = goal
             cut.fill(goal)
             left -= 1
@@ -181,11 +199,8 @@ class _Search:
 
     def _letters(self, way: np.ndarray, box: int) -> list[str]:
         """The letters of a way over a box to a shelf, the drop included."""
-        names = {1: "R", -1: "L", self._world.width: "D", -self._world.width: "U"}
-        if self._world.width == 1:
-            names |= {1: "D", -1: "U"}
         cells = way.tolist()
-        found = [names.get(there - here, WAIT) for here, there in pairwise(cells)]
+        found = letters_of(self._world, way)
         # the last step that it stands at its box is the one in which it picks it up; any is as good
         at = next(k for k in range(len(cells) - 1) if cells[k] == cells[k + 1] == box)
         found[at] = PICK_OR_DROP

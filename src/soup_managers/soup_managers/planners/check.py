@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from soup_managers.planners.world import BOX, FLOOR, FULL, ROBOT, SHELF, World
+from soup_msgs_py.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, World
 
 
 class BadPlan(ValueError):
@@ -31,8 +31,14 @@ class Picture:
     filled: set[tuple[int, int]]
 
 
-def play(world: World, plans: Sequence[str], *, may_wait: bool) -> Iterator[Picture]:
+def play(world: World, plans: Sequence[str], *, may_wait: bool, carries_over: bool = True) -> Iterator[Picture]:
     """Play plans step by step, the start included.
+
+    Args:
+        world: The world at its start.
+        plans: Letters of each robot.
+        may_wait: Whether W is allowed.
+        carries_over: Whether a robot that has a box may drive over another box.
 
     Raises:
         BadPlan: At the step that breaks a rule.
@@ -56,6 +62,8 @@ def play(world: World, plans: Sequence[str], *, may_wait: bool) -> Iterator[Pict
                     raise BadPlan(f"{who}: leaves the world")
                 if (x, y) in walls or (x, y) in now.filled:
                     raise BadPlan(f"{who}: enters a wall or a full shelf")
+                if not carries_over and now.loaded[robot] and (x, y) in now.boxes:
+                    raise BadPlan(f"{who}: carries a box over another one")
                 after.robots[robot] = x, y
             elif letter == "P" and now.loaded[robot]:
                 if (x, y) not in shelves or (x, y) in now.filled:
@@ -85,7 +93,14 @@ def _keep_apart(before: list[tuple[int, int]], after: list[tuple[int, int]], ste
                 raise BadPlan(f"robots {other + 1} and {one + 1}, step {step}: change places")
 
 
-def check_plan(world: World, plans: Sequence[str], *, may_wait: bool = True, must_leave: bool = False) -> int:
+def check_plan(
+    world: World,
+    plans: Sequence[str],
+    *,
+    may_wait: bool = True,
+    must_leave: bool = False,
+    carries_over: bool = True,
+) -> int:
     """The makespan of a plan that keeps all rules and shelves all boxes.
 
     Args:
@@ -93,6 +108,7 @@ def check_plan(world: World, plans: Sequence[str], *, may_wait: bool = True, mus
         plans: Letters of each robot.
         may_wait: Whether W is allowed.
         must_leave: Whether no robot may be on a shelf at the end.
+        carries_over: Whether a robot that has a box may drive over another box.
 
     Returns:
         The step of the last drop; with `must_leave` all steps.
@@ -102,7 +118,7 @@ def check_plan(world: World, plans: Sequence[str], *, may_wait: bool = True, mus
     """
     last = makespan = 0
     end: Picture | None = None
-    for end in play(world, plans, may_wait=may_wait):
+    for end in play(world, plans, may_wait=may_wait, carries_over=carries_over):
         if len(end.filled) > last:
             last, makespan = len(end.filled), end.step
     assert end is not None

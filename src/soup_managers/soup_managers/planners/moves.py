@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from soup_managers.planners.plan import PICK_OR_DROP, WAIT, Rules
-from soup_managers.planners.world import World
+from soup_msgs_py.cell_world import World
 
 
 class State(NamedTuple):
@@ -33,7 +33,7 @@ class Moves:
 
     Args:
         world: The world.
-        rules: Whether robots may wait, and when a plan is done.
+        rules: Whether robots may wait, what they may drive over, and when a plan is done.
     """
 
     def __init__(self, world: World, rules: Rules) -> None:
@@ -57,7 +57,7 @@ class Moves:
         """The letters of one robot, and the cell where it is after each; first of all it waits."""
         cell = state.robots[robot]
         found = [(WAIT, cell)] if self._rules.may_wait else []
-        found += [(letter, there) for letter, there in self._moves[cell] if self._is_open(there, state.shelves)]
+        found += [(letter, there) for letter, there in self._moves[cell] if self._is_open(there, state, robot)]
         if self._may_handle(cell, state, robot):
             found.append((PICK_OR_DROP, cell))
         return found
@@ -77,9 +77,11 @@ class Moves:
                 letters = WAIT * robot + letter + WAIT * (len(robots) - robot - 1)
                 yield letters, self._after(state, letters, (*robots[:robot], there, *robots[robot + 1 :]))
 
-    def _is_open(self, cell: int, shelves: int) -> bool:
+    def _is_open(self, cell: int, state: State, robot: int) -> bool:
         shelf = self._shelf.get(cell, 0)
-        return not shelf or bool(shelves & shelf)
+        if shelf and not state.shelves & shelf:
+            return False
+        return self._rules.carries_over or not (state.loads >> robot & 1 and self._box.get(cell, 0) & state.boxes)
 
     def _may_handle(self, cell: int, state: State, robot: int) -> bool:
         if state.loads >> robot & 1:

@@ -14,7 +14,6 @@ from soup_managers.planners.moves import Moves, State, Step
 from soup_managers.planners.plan import Answer, Task
 from soup_managers.planners.remaining import Estimate, Remaining
 
-MOST_NODES = 6_000_000
 _LOOK_EVERY = 16
 SEARCHES = 0.9  # of the time; the rest is for some plan, should there be no proof
 
@@ -56,8 +55,8 @@ def optimal(task: Task) -> Answer:
         if expanded % _LOOK_EVERY == 0 and time.perf_counter() - begun > SEARCHES * task.time_limit_s:
             stopped = f"no proof within {task.time_limit_s:g} s"
             break
-        if len(cost) > MOST_NODES:
-            stopped = f"gave up after {MOST_NODES} states, for want of memory"
+        if len(cost) > task.most_states:
+            stopped = f"gave up after {task.most_states} states, for want of memory"
             break
         so_far = 1 - minus
         for letters, there in _new(moves, remaining, state, so_far, cost, estimates):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from soup_managers.planners.world import World
+from soup_msgs_py.cell_world import World
 
 PICK_OR_DROP, WAIT = "P", "W"
 
@@ -24,16 +24,19 @@ class Rules:
         may_wait: Whether robots may stand (W).
         must_leave: Whether a plan is only done when no robot is on a shelf; its makespan is its whole length.
             Otherwise it is done with the last drop.
+        carries_over: Whether a robot that has a box may drive over another box.
     """
 
     name: str
     may_wait: bool
     must_leave: bool
+    carries_over: bool = True
 
 
 DEFAULT = Rules("default", may_wait=True, must_leave=False)
 PAPER = Rules("paper", may_wait=False, must_leave=True)
-RULES = {rules.name: rules for rules in (DEFAULT, PAPER)}
+FLEET = Rules("fleet", may_wait=True, must_leave=False, carries_over=False)  # what bucketbots can do: buckets collide
+RULES = {rules.name: rules for rules in (DEFAULT, PAPER, FLEET)}
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,9 @@ class Task:
         weight: By which the heuristic of the paper's planners is multiplied (weighted A*).
         time_limit_s: Wall seconds for the search.
         seed: Of what is drawn at random.
+        most_states: After so many states the search for an optimum gives up.
+        most_tries: After so many plans the search for a good one ends.
+        rounds: Changes that are tried for each of these plans.
     """
 
     world: World
@@ -53,6 +59,9 @@ class Task:
     weight: float = 1.0
     time_limit_s: float = 60.0
     seed: int = 0
+    most_states: int = 6_000_000
+    most_tries: int = 1_000_000_000
+    rounds: int = 20_000_000
 
 
 @dataclass(frozen=True)

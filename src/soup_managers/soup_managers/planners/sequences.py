@@ -105,9 +105,9 @@ def _put(order, count, robot, place, box):
 
 @kernel
 def _weight(steps, target):
-    """What a robot's steps are worth: the more after the target, the more each of them."""
+    """What a robot's steps cost: after the target each of them the more, the later."""
     late = max(0.0, steps - target)
-    return late * late * late * 0.05
+    return 3.0 * steps + late * late * late
 
 
 @kernel

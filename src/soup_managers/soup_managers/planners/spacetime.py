@@ -6,12 +6,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_managers.heap import drop_first, push
+from soup_managers.planners.plan import WAIT
+from soup_msgs_py.cell_world import MOVES, World
 from soup_msgs_py.kernel import kernel
 
 NOBODY = -1
 FOR_EVER = 1 << 30
 
 Ints = NDArray[np.int32]
+
+
+def sides_of(world: World) -> Ints:
+    """The cells beside each cell, `NOBODY` for none, shape (cells, 4)."""
+    sides = np.full((world.cells, 4), NOBODY, np.int32)
+    for cell, moves in enumerate(world.moves):
+        for side, (_, there) in enumerate(moves):
+            sides[cell, side] = there
+    return sides
+
+
+def letters_of(world: World, way: Ints) -> list[str]:
+    """The letters that lead from each cell of a way to the next; waiting where it stays."""
+    names = {dx + dy * world.width: letter for letter, (dx, dy) in MOVES.items()}
+    if world.width == 1:
+        names = {1: "D", -1: "U"}
+    return [names.get(step, WAIT) for step in np.diff(way).tolist()]
 
 
 class Calendar:
@@ -21,6 +40,8 @@ class Calendar:
         who: The robot in each cell at each step, shape (steps, cells), `NOBODY` for none.
         closed: The step from which each cell is closed for good, to all but who rests there; `FOR_EVER`: never.
         last: The last step in which each cell is used, -1 for never.
+        boxed: The first step at which no box is in each cell any more, where loaded robots may not drive over boxes;
+            else 0.
     """
 
     def __init__(self, steps: int, cells: int) -> None:
@@ -28,6 +49,7 @@ class Calendar:
         self.who = np.full((steps, cells), NOBODY, np.int16)
         self.closed = np.full(cells, FOR_EVER, np.int64)
         self.last = np.full(cells, -1, np.int64)
+        self.boxed = np.zeros(cells, np.int64)
         self._seen = np.zeros((steps, 2, cells), np.int32)
         self._came = np.zeros((steps, 2, cells), np.int32)
         self._keys = np.empty(1 << 20)
@@ -55,7 +77,7 @@ class Calendar:
         self._round += 1
         count = find_way(
             start, begins, over, goal, neighbours, to_over, to_goal, self.who, self.closed, int(self.last[goal]),
-            self._seen, self._came, self._round, self._keys, self._items, self._way,
+            self.boxed, self._seen, self._came, self._round, self._keys, self._items, self._way,
         )  # fmt: skip
         return self._way[:count].copy() if count > 0 else None
 
@@ -68,8 +90,8 @@ class Calendar:
 
 @kernel
 def find_way(
-    start, begins, over, goal, neighbours, to_over, to_goal, who, closed, goal_free_from, seen, came, now, keys, items,
-    way,
+    start, begins, over, goal, neighbours, to_over, to_goal, who, closed, goal_free_from, boxed, seen, came, now, keys,
+    items, way,
 ):  # fmt: skip
     """As `Calendar.way`; writes the cells into `way`, returns how many there are, 0 for none (A*)."""
     steps, cells = who.shape
@@ -110,6 +132,8 @@ def find_way(
             if (other >= 0 and other != me) or seen[step + 1, after, there] == now:
                 continue
             if closed[there] <= step + 1 and there != start:
+                continue
+            if after == 1 and boxed[there] > step + 1 and there != over:
                 continue
             if there == start and cell != start and closed[start] <= step + 1:
                 continue  # who has left the shelf that it filled cannot come back

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from soup_managers.traffic.holds import gaps_between
 from soup_managers.traffic.roads import AT_END_M, Mask, Roads
-from soup_msgs_py.messages import Point
+from soup_msgs_py.messages import Floats, Point
 
 _ON_EDGE_M = 1e-3
 _REMEMBERED = 10_000  # answers
@@ -26,6 +27,8 @@ class Nearby:
         self._held: dict[tuple[Point, Point], list[int]] = {}
         self._swept_on: dict[tuple[Point, int], list[int]] = {}
         self._starts, self._ends = roads.points[roads.tail], roads.points[roads.head]
+        self._middles = KDTree(0.5 * (self._starts + self._ends))
+        self._half_edge = 0.5 * float(roads.length.max(initial=0.0))
 
     def waypoint(self, x: float, y: float) -> int:
         """The nearest waypoint."""
@@ -52,10 +55,13 @@ class Nearby:
         if held is None:
             roads = self._roads
             a, b = np.array([start]), np.array([end])
-            gaps = gaps_between(self._starts, self._ends, a, b)
-            passed = gaps_between(roads.points, roads.points, a, b) < roads.apart
-            closed = (gaps < _ON_EDGE_M) | ((gaps < roads.apart) & ~passed[roads.tail] & ~passed[roads.head])
-            passed[roads.tail[closed]] = passed[roads.head[closed]] = True
+            passed = np.zeros(len(roads.points), bool)
+            passed[self._points_near(a, b)] = True
+            edges = self._edges_near(a, b)
+            gaps = gaps_between(self._starts[edges], self._ends[edges], a, b)
+            tails, heads = roads.tail[edges], roads.head[edges]
+            closed = (gaps < _ON_EDGE_M) | ((gaps < roads.apart) & ~passed[tails] & ~passed[heads])
+            passed[tails[closed]] = passed[heads[closed]] = True
             held = self._remember(self._held, (start, end), np.flatnonzero(passed).tolist())
         return held
 
@@ -65,11 +71,24 @@ class Nearby:
         if swept is None:
             roads = self._roads
             here, there = np.array([place]), roads.points[[waypoint]]
-            close = gaps_between(roads.points, roads.points, here, there) < roads.apart
             # where it is now, no bucket rests
-            close &= gaps_between(roads.points, roads.points, here, here) >= roads.apart
-            swept = self._remember(self._swept_on, (place, waypoint), np.flatnonzero(close).tolist())
+            close = np.setdiff1d(self._points_near(here, there), self._points_near(here, here))
+            swept = self._remember(self._swept_on, (place, waypoint), close.tolist())
         return swept
+
+    def _points_near(self, a: Floats, b: Floats) -> NDArray[np.intp]:
+        """Waypoints too close to a straight line from a to b, ascending."""
+        near = self._around(self._tree, a, b, 0.0)
+        points = self._roads.points[near]
+        return near[gaps_between(points, points, a, b) < self._roads.apart]
+
+    def _edges_near(self, a: Floats, b: Floats) -> NDArray[np.intp]:
+        """Edges that may be too close to a straight line from a to b."""
+        return self._around(self._middles, a, b, self._half_edge)
+
+    def _around(self, tree: KDTree, a: Floats, b: Floats, more: float) -> NDArray[np.intp]:
+        reach = 0.5 * float(np.hypot(*(b - a)[0])) + self._roads.apart + more + _ON_EDGE_M
+        return np.array(sorted(tree.query_ball_point(0.5 * (a + b)[0], reach)), np.intp)
 
     def _remember(self, answers: dict[Any, list[int]], question: Any, answer: list[int]) -> list[int]:
         if len(answers) >= _REMEMBERED:

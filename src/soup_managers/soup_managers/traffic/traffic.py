@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from soup_managers.traffic.lines import Line, find_lines
 from soup_managers.traffic.nearby import Nearby
 from soup_managers.traffic.roads import Mask, make_roads
 from soup_managers.traffic.routes import Routes, kind_of_spots
-from soup_managers.traffic.runs import heading_of, place_at, run_time, turn_time
+from soup_managers.traffic.runs import heading_of, place_at, run_time, time_at, turn_time
 from soup_managers.traffic.search import rest_of_way, search
 from soup_managers.traffic.timetable import add, empty_timetable, forget, forget_bot, free_from, larger
 from soup_msgs_py.layout import Floats, Layout
@@ -31,6 +32,7 @@ _LABELS_FOR_BETTER = 1_500  # how long to look for a better way than waiting
 _LABELS_FOR_ANY = 60_000  # how long to look for any way at all
 _HERE_M = 1e-9  # farther off a waypoint the first run to it takes time, and whoever is late is in the way
 _TRIED_SPOTS = 4
+_PIECE_M = 3.0  # of a drive that is adopted: what is held along one is held for all of its time
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,6 +115,46 @@ class Traffic:
         self.remove(bot)
         self._legs[bot] = []
         self._stay(bot, _Stand(NOWHERE, (x, y), since, heading))
+
+    def adopt(self, bot: int, points: tuple[Point, ...], stamps: tuple[float, ...]) -> int:
+        """A bot drives already, as an earlier fleet had planned it; whatever was planned for it here is forgotten.
+
+        It holds a little more than if the drive had been planned here, and for a little longer.
+
+        Args:
+            bot: Who drives.
+            points: Where it stops or waits (m).
+            stamps: When it is there (s).
+
+        Returns:
+            The waypoint where it will stand; `NOWHERE` for a place beside the graph.
+        """
+        self.stand_at(bot, *points[-1], stamps[-1])
+        speed, acceleration = self._roads.max_speed, self._roads.max_acceleration
+        heading = 0.0
+        for k, ((ax, ay), (bx, by)) in enumerate(pairwise(points)):
+            length = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+            if length == 0.0:
+                self._hold_along(points[k], points[k], stamps[k], stamps[k + 1], bot)
+                continue
+            heading = heading_of(bx - ax, by - ay)
+            runs_from = stamps[k + 1] - run_time(length, speed, acceleration)
+            pieces = math.ceil(length / _PIECE_M)
+            for piece in range(pieces):
+                ends = [length * piece / pieces, length * (piece + 1) / pieces]
+                start, end = ((ax + (bx - ax) * x / length, ay + (by - ay) * x / length) for x in ends)
+                begin, until = (runs_from + time_at(x, length, speed, acceleration) for x in ends)
+                self._hold_along(start, end, min(begin, stamps[k]) if piece == 0 else begin, until, bot)
+        stand = replace(self._stands[bot], heading=heading)
+        waypoints = tuple(self._nearby.waypoint(x, y) for x, y in points)
+        leg = Leg(bot, waypoints, points, stamps, stamps[0], stamps[-1])
+        self._legs[bot] = [(leg, _Stand(NOWHERE, points[0], stamps[0], heading))]
+        self._stands[bot] = stand
+        return stand.waypoint
+
+    def _hold_along(self, start: Point, end: Point, begin: float, until: float, bot: int) -> None:
+        for waypoint in self._nearby.held_along(start, end):
+            self._hold(waypoint, begin, until, bot)
 
     def undo(self, bot: int, now: float) -> None:
         """A bot has not departed on its last leg: it still stands where that begins.

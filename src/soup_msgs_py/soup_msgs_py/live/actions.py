@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -9,13 +10,19 @@ from typing import Any
 from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
+from rclpy.qos import LivelinessPolicy, QoSProfile
 
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.process import Live
 from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import MalformedMessage, fill_result, read_result
 
-RESULTS_KEPT_S = 60  # wall time; each is asked for as soon as who asked has heard that its goal is accepted
+ACCEPTED_S = 3.0  # wall time; a server that has not answered then never got the goal
+RESULTS_KEPT_S = 5  # wall time; each is asked for as soon as who asked has heard that its goal is accepted
+
+# A profile that no action server offers. The states of all its goals, sent whenever one changes, are what an action
+# costs most, and say nothing that the results do not.
+NO_STATUS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC)
 
 
 class GoalServer(ActionServer):
@@ -25,6 +32,7 @@ class GoalServer(ActionServer):
         accept: Gets the handle of every accepted goal.
         cancel: Gets the handle of a goal that should end early.
         check: Raises `MalformedMessage` for a goal that makes no sense; such a goal is refused.
+        profile: Deep enough for all goals that come at once.
     """
 
     def __init__(
@@ -37,6 +45,7 @@ class GoalServer(ActionServer):
         accept: Callable[[ServerGoalHandle], None],
         cancel: Callable[[ServerGoalHandle], None],
         check: Callable[[Any], object],
+        profile: QoSProfile = EVERY_ONE,
     ) -> None:
         """Offer the action."""
         self._live = live
@@ -50,10 +59,10 @@ class GoalServer(ActionServer):
             lambda _handle: kind.Result(),
             goal_callback=self._on_goal,
             cancel_callback=self._on_cancel,
-            goal_service_qos_profile=EVERY_ONE,
-            result_service_qos_profile=EVERY_ONE,
-            cancel_service_qos_profile=EVERY_ONE,
-            feedback_pub_qos_profile=EVERY_ONE,
+            goal_service_qos_profile=profile,
+            result_service_qos_profile=profile,
+            cancel_service_qos_profile=profile,
+            feedback_pub_qos_profile=profile,
             result_timeout=RESULTS_KEPT_S,
         )
 
@@ -72,6 +81,15 @@ class GoalServer(ActionServer):
     def notify_execute(self, goal_handle: Any, execute_callback: Any) -> None:
         """Called by rclpy where it would start the execution: hand the goal on instead."""
         self._accept(goal_handle)
+
+    def add_future(self, future: Any) -> None:
+        """Called by rclpy for the result of every goal: without the executor's help it is sent at once.
+
+        The executor would look at those of all open goals each time that the server has anything to do.
+        """
+
+    def remove_future(self, future: Any) -> None:
+        """Called by rclpy when a result is over."""
 
     def finish(self, handle: ServerGoalHandle, code: Code, message: str) -> None:
         """End a goal."""
@@ -94,9 +112,19 @@ class GoalClient:
 
     Attributes:
         client: The action client underneath.
+        signs: How many publishers of the server's node are seen, where somebody can tell.
     """
 
-    def __init__(self, live: Live, node: Node, kind: Any, name: str, signs: Callable[[], int] | None = None) -> None:
+    def __init__(
+        self,
+        live: Live,
+        node: Node,
+        kind: Any,
+        name: str,
+        signs: Callable[[], int] | None = None,
+        profile: QoSProfile = EVERY_ONE,
+        term: Callable[[], int] = lambda: 0,
+    ) -> None:
         """Look for the server.
 
         Args:
@@ -107,31 +135,48 @@ class GoalClient:
             signs: How many publishers of the server's node are seen on a topic that only that node speaks on. A
                 server once found counts as there for as long as that number stays: looking it up in the graph costs
                 the more the larger the graph is, a millisecond and more among hundreds of bots.
+            profile: Deep enough for all goals that are asked for at once.
+            term: Tells one who serves the action from the one before: with the server its goals are gone.
         """
+        self._term = term
         self.client = ActionClient(
             node,
             kind,
             name,
-            goal_service_qos_profile=EVERY_ONE,
-            result_service_qos_profile=EVERY_ONE,
-            cancel_service_qos_profile=EVERY_ONE,
-            feedback_sub_qos_profile=EVERY_ONE,
+            goal_service_qos_profile=profile,
+            result_service_qos_profile=profile,
+            cancel_service_qos_profile=profile,
+            feedback_sub_qos_profile=profile,
+            status_sub_qos_profile=NO_STATUS,
         )
-        self._live = live
+        self._live, self._node = live, node
+        # the service that a server makes last; rclpy's own look at the server includes the states of its goals
+        self._probe_of = kind.Impl.GetResultService, f"{name}/_action/get_result", profile
+        self._probe: Any = None
         self._goals: dict[int, _Goal] = {}
         self._unsent: list[_Goal] = []
-        self._signs = signs
+        self.signs = signs
         self._found_with = 0  # signs when the server was found; 0 where it is not
 
     @property
     def ready(self) -> bool:
         """Whether the server is there."""
-        if self._signs is None:
-            return self.client.server_is_ready()
-        signs = self._signs()
+        if self.signs is None:
+            return self._is_there(keep_looking=True)
+        signs = self.signs()
         if signs != self._found_with:
-            self._found_with = signs if signs > 0 and self.client.server_is_ready() else 0
+            self._found_with = signs if signs > 0 and self._is_there() else 0
         return 0 < signs == self._found_with
+
+    def _is_there(self, *, keep_looking: bool = False) -> bool:
+        if self._probe is None:
+            kind, name, profile = self._probe_of
+            self._probe = self._node.create_client(kind, name, qos_profile=profile)
+        found = self._probe.service_is_ready()
+        if found and not keep_looking:
+            self._node.destroy_client(self._probe)
+            self._probe = None
+        return found
 
     def send(
         self, key: int, goal: Any, on_feedback: Callable[[Any], None], on_result: Callable[[Code, str], None]
@@ -155,16 +200,18 @@ class GoalClient:
         """If the server is there, send what waits for it; if not, end the goals that it had, as stopped."""
         if not self._goals:
             return
-        if self.ready:
-            self._send_all()
-            return
+        ready, wall, term = self.ready, time.monotonic(), self._term()
         for running in [running for running in self._goals.values() if running.sent]:
-            self._end(running, Code.STOPPED, "who was asked is gone")
+            lost = running.handle is None and wall - running.sent_at > ACCEPTED_S
+            if lost or not ready or running.term != term:
+                self._end(running, Code.STOPPED, "who was asked is gone")
+        if ready:
+            self._send_all()
 
     def _send_all(self) -> None:
         unsent, self._unsent = self._unsent, []
         for running in unsent:
-            running.sent = True
+            running.sent, running.sent_at, running.term = True, time.monotonic(), self._term()
             future = self.client.send_goal_async(
                 running.goal, feedback_callback=lambda m, tell=running.on_feedback: tell(m.feedback)
             )
@@ -202,6 +249,8 @@ class _Goal:
     on_result: Callable[..., Any]
     handle: Any = None
     sent: bool = False
+    sent_at: float = 0.0  # wall time (s)
+    term: int = 0
     cancelled: bool = False
 
     def cancel_if_accepted(self) -> None:

@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
-from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 from soup_msgs import msg
 
 from soup_msgs_py import topics
+from soup_msgs_py.codes import EventType
 from soup_msgs_py.event_stream import EventStream
 from soup_msgs_py.live.process import Live
 from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import Beat, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
-from soup_msgs_py.wire import Announcement, from_ros, from_stamp, to_ros
+from soup_msgs_py.wire import Announcement, from_cdr, from_stamp, read_cdr, to_ros
 
 LOOK_S = 0.1  # how often a part that waits looks whether it still has to
 
@@ -28,8 +29,8 @@ class Follower:
     Until the part is ready (`missing` says what it still waits for) and in step with the events, the mind is
     told nothing. A world that is started again is noticed by the number of its run: the mind is then made anew.
 
-    The world waits for everybody who follows: at each beat the follower says that it has heard the world so far,
-    after all that its mind has said in return, and when it wants the next beat at the latest.
+    The world waits for everybody who follows: at each beat that asks for it the follower says that it has heard the
+    world so far, after all that its mind has said in return, and when it wants the next beat at the latest.
 
     Attributes:
         mind: The mind; None before the world has been heard of.
@@ -49,6 +50,8 @@ class Follower:
         concerns: Callable[[Event], bool] | None = None,
         looks: Callable[[], float] = lambda: NEVER,
         holds: Callable[[], float] = lambda: NEVER,
+        bots: frozenset[int] = frozenset(),
+        prepare: Callable[[float], None] = lambda _: None,
     ) -> None:
         """Begin to follow.
 
@@ -63,6 +66,9 @@ class Follower:
             looks: The simulated time (s) at which the mind wants to look around next.
             holds: The simulated time (s) that the world must not overtake yet, because what the mind has said for
                 then is still on its way over others. The world is told that it was heard when that has changed.
+            bots: The bots for which the part speaks.
+            prepare: Called before the mind is told something that others said, with the wall time (s) since the
+                simulated time was heard: the world has gone on meanwhile.
         """
         self.mind: Mind | None = None
         self.announcement: Announcement | None = None
@@ -74,33 +80,42 @@ class Follower:
         self._carry = carry
         self._missing = missing
         self._concerns = concerns
-        self._looks, self._holds = looks, holds
+        self._looks, self._holds, self._bots, self._prepare = looks, holds, bots, prepare
+        self._time_heard = time.monotonic()
+        self._reacts: frozenset[EventType] = frozenset()  # as the world was told
         self._beat, self._beat_time = 0, 0.0  # number and simulated time of the newest one
         self._owes = False  # whether the world waits to be told that it was heard
         self._asked_for = NEVER  # the next beat
         self._heard = node.create_publisher(msg.Heard, topics.HEARD, EVERY_ONE)
         self._stream = EventStream()
         self._snapshot: Snapshot | None = None  # the newest one, while it may be needed
+        self._asked: Callable[[Snapshot], None] | None = None  # who wants the next one
         live.follow(node, msg.Scenario, topics.SCENARIO, self._on_announcement, LATCHED)
         live.subscribe(node, Clock, topics.CLOCK, self._on_clock, DISPLAY)
         live.follow(node, msg.Beat, topics.BEAT, self._on_beat, LATCHED)
         live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE)
         live.subscribe(node, msg.Snapshot, topics.SNAPSHOT, self._on_snapshot, LATCHED, raw=True)
         live.every(LOOK_S, self._look)
-        live.at_end(lambda: self._heard.publish(to_ros(Heard(self._name, self._beat, NEVER, leaves=True))))
+        live.at_end(self._take_leave)
 
     @property
     def in_step(self) -> bool:
         """Whether the mind knows the world and is being told everything."""
         return self._stream.in_step
 
+    @property
+    def run(self) -> int:
+        """Number of the world's run; 0 before the world has been heard of."""
+        return self.announcement.run if self.announcement is not None else 0
+
     def tell(self, message: Message) -> None:
         """Hand a message to the mind, and what it says to `carry`."""
         if self.mind is not None:
+            self._prepare(time.monotonic() - self._time_heard)
             self._carry(self.mind.handle(message, self.now))
             if self._owes:
                 self._settle()
-            elif self.begun and self._next() < self._asked_for:
+            elif self.begun and (self._next() < self._asked_for or self.mind.reacts_to != self._reacts):
                 self._say_heard()
 
     def _on_announcement(self, announcement: Announcement) -> None:
@@ -114,15 +129,28 @@ class Follower:
 
     def _on_clock(self, clock: Clock) -> None:
         self.now = self._report.time = from_stamp(clock.clock)
+        self._time_heard = time.monotonic()
         self._wake()
 
     def _on_beat(self, beat: Beat) -> None:
         self._beat, self._beat_time = beat.number, beat.time
         self.now = max(self.now, beat.time)
+        self._time_heard = time.monotonic()
         if self.begun:
             self._wake()
-            self._owes = True
-            self._settle()
+            if self._name in beat.parts:
+                self._owes = True
+                self._settle()
+
+    def _take_leave(self) -> None:
+        if self.begun:  # one that stands by has the name of the one in charge, which the world waits for
+            self._heard.publish(to_ros(Heard(self._name, self._beat, NEVER, leaves=True)))
+
+    def speak_for(self, bots: frozenset[int]) -> None:
+        """From now on the part speaks for other bots than before."""
+        self._bots = bots
+        if self.begun:
+            self._say_heard()
 
     def _settle(self) -> None:
         if self._owes and self._holds() > self._beat_time:
@@ -130,8 +158,9 @@ class Follower:
             self._say_heard()
 
     def _say_heard(self) -> None:
-        self._asked_for = self._next()
-        self._heard.publish(to_ros(Heard(self._name, self._beat, self._asked_for)))
+        assert self.mind is not None
+        self._asked_for, self._reacts = self._next(), self.mind.reacts_to
+        self._heard.publish(to_ros(Heard(self._name, self._beat, self._asked_for, self._reacts, self._bots)))
 
     def _next(self) -> float:
         if self.mind is None or not self.in_step:
@@ -140,20 +169,32 @@ class Follower:
 
     def _wake(self) -> None:
         if self.mind is not None and self.in_step and self.mind.next_wake <= self.now:
+            self._prepare(0.0)
             self._carry(self.mind.wake(self.now))
 
     def _on_event(self, event: Event) -> None:
         self._hear(self._stream.take_event(event))
 
+    def next_snapshot(self, take: Callable[[Snapshot], None]) -> None:
+        """Hand over the next snapshot, whoever has asked before."""
+        self._asked = take
+
     def _on_snapshot(self, cdr: bytes) -> None:
         if self.in_step:
-            return
-        self._snapshot = from_ros(deserialize_message(cdr, msg.Snapshot))
+            asked, self._asked = self._asked, None
+            if asked is not None:
+                asked(from_cdr(cdr, msg.Snapshot))
+            told = read_cdr(cdr, msg.Snapshot)
+            if told.run != self.run or not self._stream.lacks(told.sequence):
+                return
+        self._snapshot = from_cdr(cdr, msg.Snapshot)
         self._look()
 
     def _look(self) -> None:
         """Join as soon as everything is there."""
         self._settle()
+        if self._stream.gaps:
+            self._report.values["missed_events"] = f"{self._stream.gaps} times"
         if self.announcement is None:
             self._report.waits(f"waits for the world (nothing on {topics.SCENARIO} yet)")
             return

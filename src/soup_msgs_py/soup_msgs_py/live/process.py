@@ -6,6 +6,7 @@ deliver in the PyPI wheels); signals are looked at between two callbacks, at mos
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import sys
@@ -25,11 +26,14 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
 from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.live.shared_memory import remove_unused, used_by
 from soup_msgs_py.wire import MalformedMessage, from_ros
 
 LONGEST_WAIT_S = 0.1  # between two looks at the signals
 LONGEST_END_S = 2.5  # then the process ends without having taken leave; a busy machine gets more
 LONGEST_WALL = 4.0  # times as long, whatever the machine does meanwhile
+MEMORY_S = 5.0  # wall time between two looks at which shared memory is used
+STILL_S = 10.0  # a process that was stopped for so long has been given up by the others
 LEAVES = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -42,21 +46,27 @@ class Live:
         ended_by: The signal that ended the process, 0 for none.
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, *, starts_again: bool = False) -> None:
         """Join the ROS graph.
 
         Args:
             name: For messages to a person.
+            starts_again: Whether to end with `StoodStill` after the process was stopped for a while. The others have
+                given it up by then, and it would hear no more of them.
         """
         self.name = name
+        self._still = Stillness() if starts_again else None
         self.malformed = 0
         self.ended_by = 0
         self._stopping = False
+        self._carried = 0  # callbacks so far
         self._error: BaseException | None = None
         self._nodes: list[Node] = []
         self._periodic: list[_Periodic] = []
         self._farewells: list[Callable[[], None]] = []
         self._handlers = {number: signal.signal(number, self._on_signal) for number in LEAVES}
+        self._memory: set[Path] = set()  # files in shared memory that were used
+        self.every(MEMORY_S, lambda: self._memory.update(used_by("self")))
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._executor = EventsExecutor()
 
@@ -80,10 +90,16 @@ class Live:
         return node.create_subscription(kind, topic, self.guard(take), profile, **options)
 
     def follow(
-        self, node: Node, kind: type, topic: str, take: Callable[[Any], None], profile: QoSProfile
+        self, node: Node, kind: type, topic: str, take: Callable[[Any], None], profile: QoSProfile, **options: Any
     ) -> Subscription:
         """Hand every message of a topic, turned into its dataclass, to `take`."""
-        return self.subscribe(node, kind, topic, lambda message: take(from_ros(message)), profile)
+        return self.subscribe(node, kind, topic, lambda message: take(from_ros(message)), profile, **options)
+
+    def leave(self, node: Node) -> None:
+        """Take a node out of the graph, though the process goes on."""
+        self._nodes.remove(node)
+        self._executor.remove_node(node)
+        node.destroy_node()
 
     def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap a callback: an exception ends the process in order instead of inside the executor."""
@@ -91,6 +107,7 @@ class Live:
         def guarded(*arguments: Any) -> Any:
             if self._stopping:
                 return None
+            self._carried += 1
             try:
                 return function(*arguments)
             except MalformedMessage:
@@ -130,6 +147,9 @@ class Live:
         while not self._stopping:
             if until is not None and until():
                 return True
+            if self._still is not None and self._still.look():
+                self.stop(StoodStill(f"{self.name}: stood still for {self._still.seconds:.0f} s, starts again"))
+                break
             now = time.monotonic()
             if deadline is not None and now >= deadline:
                 return False
@@ -143,6 +163,24 @@ class Live:
         if self._error is not None:
             raise self._error
         return False
+
+    def drain(self, longest_s: float, quiet_s: float) -> None:
+        """After `spin`: carry what has already arrived, until nothing has come for a while.
+
+        Args:
+            longest_s: The most wall time to take.
+            quiet_s: Wall time without a callback after which nothing more is expected.
+        """
+        self._stopping = False
+        deadline = time.monotonic() + longest_s
+        carried, since = self._carried, time.monotonic()
+        while not self._stopping and time.monotonic() < min(deadline, since + quiet_s):
+            self._executor.spin_once(timeout_sec=quiet_s)
+            if self._carried != carried:
+                carried, since = self._carried, time.monotonic()
+        self._stopping = True
+        if self._error is not None:
+            raise self._error
 
     def __enter__(self) -> Live:
         """Nothing more than the constructor did."""
@@ -167,8 +205,10 @@ class Live:
             self._executor.remove_node(node)
             node.destroy_node()
         self._executor.shutdown()
+        self._memory |= used_by("self")
         rclpy.try_shutdown()
         gone.set()
+        remove_unused(self._memory)
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
 
@@ -182,6 +222,38 @@ class Live:
     def _on_signal(self, number: int, _frame: object) -> None:
         self.ended_by = number
         self._stopping = True
+
+
+class StoodStill(RunError):
+    """The process was stopped for so long that it has to start again."""
+
+
+class Stillness:
+    """Notices that the process was stopped for a while, and told to continue.
+
+    Attributes:
+        seconds: For how long, at most (s).
+    """
+
+    def __init__(self) -> None:
+        """Begin now."""
+        self.seconds = 0.0
+        self._looked = time.monotonic()
+        self._continued = False
+        signal.signal(signal.SIGCONT, self._on_continue)
+
+    def look(self) -> bool:
+        """Whether the process was stopped for long since the last look."""
+        now = time.monotonic()
+        gap, self._looked = now - self._looked, now
+        continued, self._continued = self._continued, False
+        if not continued or gap < STILL_S:
+            return False
+        self.seconds = gap
+        return True
+
+    def _on_continue(self, _number: int, _frame: object) -> None:
+        self._continued = True
 
 
 class Lateness:
@@ -230,6 +302,11 @@ def exit_status(main: Callable[[], int | None]) -> int:
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
+    except StoodStill as error:
+        print(error, file=sys.stderr, flush=True)
+        if multiprocessing.parent_process() is None:
+            os.execv(sys.executable, sys.orig_argv)
+        return 1  # whoever started it starts it again
     except RunError as error:
         print(error, file=sys.stderr)
         return 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 
@@ -23,12 +24,14 @@ class Report:
     """Publishes one line about a process, once a second and whenever it changes.
 
     Attributes:
+        name: Of the process.
         values: Details, by name.
         time: Simulated time to stamp it with (s).
     """
 
     def __init__(self, live: Live, node: Node) -> None:
         """Report, through a node of the process, that it starts."""
+        self.name = live.name
         self.values: dict[str, str] = {}
         self.time = 0.0
         self._live = live
@@ -61,10 +64,10 @@ class Report:
             print(f"{self._live.name}: {self._message}", file=sys.stderr, flush=True)
 
     def _publish(self) -> None:
-        values = {**self.values, "malformed_messages": str(self._live.malformed)}
+        values = {**self.values, "malformed_messages": str(self._live.malformed), "pid": str(os.getpid())}
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if self._waits else DiagnosticStatus.OK,
-            name=self._live.name,
+            name=self.name,
             message=self._message,
             values=[KeyValue(key=key, value=value) for key, value in values.items()],
         )

@@ -8,6 +8,7 @@ from typing import Any
 
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.process import Live
@@ -41,7 +42,14 @@ class Answer:
             self._send(self._response, self._header)
 
 
-def serve(live: Live, node: Node, kind: type, name: str, take: Callable[[Any, Answer], None]) -> None:
+def serve(
+    live: Live,
+    node: Node,
+    kind: type,
+    name: str,
+    take: Callable[[Any, Answer], None],
+    profile: QoSProfile = EVERY_ONE,
+) -> None:
     """Offer a service whose answers may come later: `take` gets each request together with its `Answer`.
 
     The executor sends whatever the callback returns through the service's `send_response`. Here it returns
@@ -61,6 +69,6 @@ def serve(live: Live, node: Node, kind: type, name: str, take: Callable[[Any, An
         if answer is not None:
             answer.address(header)
 
-    service: Any = node.create_service(kind, name, live.guard(on_request), qos_profile=EVERY_ONE)
+    service: Any = node.create_service(kind, name, live.guard(on_request), qos_profile=profile)
     send = service.send_response
     service.send_response = keep

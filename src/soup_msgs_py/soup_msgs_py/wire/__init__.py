@@ -13,8 +13,10 @@ from soup_msgs_py.wire.announcement import Announcement, from_statistics, to_sta
 from soup_msgs_py.wire.basics import (
     MalformedMessage,
     fill_result,
+    from_cdr,
     from_ros,
     from_stamp,
+    read_cdr,
     read_result,
     to_ros,
     to_stamp,
@@ -31,9 +33,17 @@ from soup_msgs_py.wire.requests import (
     to_twist,
     transfer_by_hand,
 )
-from soup_msgs_py.wire.tasks import drive_goal, task_feedback, trip_feedback, trip_goal
+from soup_msgs_py.wire.tasks import (
+    MOST_ORDERS,
+    drive_goal,
+    task_feedback,
+    to_order,
+    to_outcome,
+    trip_goal,
+)
 
 __all__ = [
+    "MOST_ORDERS",
     "Announcement",
     "MalformedMessage",
     "assign_bundle_response",
@@ -41,21 +51,24 @@ __all__ = [
     "drive_goal",
     "fill_result",
     "from_bot_request",
+    "from_cdr",
     "from_path",
     "from_ros",
     "from_stamp",
     "from_statistics",
     "from_twist",
     "grab_by_hand",
+    "read_cdr",
     "read_result",
     "storage_spot_response",
     "task_feedback",
+    "to_order",
+    "to_outcome",
     "to_path",
     "to_ros",
     "to_stamp",
     "to_statistics",
     "to_twist",
     "transfer_by_hand",
-    "trip_feedback",
     "trip_goal",
 ]

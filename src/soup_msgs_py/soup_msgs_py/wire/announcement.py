@@ -27,7 +27,8 @@ from soup_msgs_py.wire.basics import (
 class Announcement:
     """What the world latches about its run: the scenario, the floor, the expected share of each tile kind.
 
-    `run` is drawn when a world starts, so that all others notice a new one.
+    `run` is drawn when a world starts, so that all others notice a new one. `seed` is that of its random numbers;
+    its rates and counts leave the first `warmup_s` simulated seconds out.
     """
 
     time: float
@@ -35,6 +36,8 @@ class Announcement:
     layout: Layout
     tile_profile: tuple[float, ...]
     run: int = 0
+    seed: int = 0
+    warmup_s: float = 0.0
 
 
 @to_ros.register
@@ -82,11 +85,14 @@ def _(announcement: Announcement) -> msg.Scenario:
         json=announcement.scenario.model_dump_json(),
         layout=to_ros(announcement.layout),
         tile_profile=announcement.tile_profile,
+        seed=announcement.seed,
+        warmup=announcement.warmup_s,
     )
 
 
 @from_ros.register
 def _(announcement: msg.Scenario) -> Announcement:
+    check_finite(announcement.warmup)
     try:
         scenario = scenario_from_json(announcement.json)
     except ValidationError as error:
@@ -97,6 +103,8 @@ def _(announcement: msg.Scenario) -> Announcement:
         from_ros(announcement.layout),
         tuple(unpack(announcement.tile_profile, np.float64).tolist()),
         announcement.run,
+        announcement.seed,
+        announcement.warmup,
     )
 
 

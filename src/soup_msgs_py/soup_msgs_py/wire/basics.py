@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point as RosPoint
+from rclpy.serialization import deserialize_message
 from soup_msgs import msg
 from std_msgs.msg import Header
 
@@ -115,6 +116,16 @@ def from_ros(message: Any) -> Any:
         MalformedMessage: The message makes no sense.
     """
     raise TypeError(f"no dataclass for {type(message).__name__}")
+
+
+def read_cdr(cdr: bytes, kind: type) -> Any:
+    """The ROS message, of a class, in serialized form."""
+    return deserialize_message(cdr, kind)
+
+
+def from_cdr(cdr: bytes, kind: type) -> Any:
+    """The dataclass for a serialized ROS message of a class; as `from_ros`."""
+    return from_ros(read_cdr(cdr, kind))
 
 
 def to_moves(moves: Iterable[TileMove]) -> list[msg.TileMove]:

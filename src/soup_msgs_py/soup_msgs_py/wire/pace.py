@@ -1,33 +1,58 @@
-"""What keeps the world and the parts that think in step."""
+"""What keeps the world and the parts that think in step, and says who is in charge of what."""
 
 from __future__ import annotations
 
 import math
+import re
 
 from soup_msgs import msg
 
-from soup_msgs_py.messages import Beat, Heard
-from soup_msgs_py.wire.basics import MalformedMessage, check_finite, from_ros, to_ros
+from soup_msgs_py.codes import EventType
+from soup_msgs_py.messages import Beat, Charge, Heard
+from soup_msgs_py.wire.basics import MalformedMessage, check_finite, from_ros, member, pack, to_ints, to_ros
+
+_PART = re.compile(r"(word|letter|fleet) manager|bots [0-9,-]+")
 
 
 @to_ros.register
 def _(beat: Beat) -> msg.Beat:
-    return msg.Beat(time=float(beat.time), number=beat.number)
+    return msg.Beat(time=float(beat.time), number=beat.number, parts=list(beat.parts))
 
 
 @from_ros.register
 def _(beat: msg.Beat) -> Beat:
     check_finite(beat.time)
-    return Beat(beat.time, beat.number)
+    return Beat(beat.time, beat.number, tuple(beat.parts))
 
 
 @to_ros.register
 def _(heard: Heard) -> msg.Heard:
-    return msg.Heard(part=heard.part, beat=heard.beat, next_time=heard.next_time, leaves=heard.leaves)
+    return msg.Heard(
+        part=heard.part,
+        beat=heard.beat,
+        next_time=heard.next_time,
+        reacts=[kind.value for kind in heard.reacts],
+        bots=pack("i", sorted(heard.bots)),
+        leaves=heard.leaves,
+    )
 
 
 @from_ros.register
 def _(heard: msg.Heard) -> Heard:
     if math.isnan(heard.next_time):
         raise MalformedMessage("a time that is no number")
-    return Heard(heard.part, heard.beat, heard.next_time, heard.leaves)
+    if not _PART.fullmatch(heard.part):
+        raise MalformedMessage(f"{heard.part[:40]!r} is no part that the world would wait for")
+    reacts = frozenset(member(EventType, kind) for kind in heard.reacts)
+    return Heard(heard.part, heard.beat, heard.next_time, reacts, frozenset(to_ints(heard.bots)), heard.leaves)
+
+
+@to_ros.register
+def _(charge: Charge) -> msg.Charge:
+    bots = pack("i", charge.bots)
+    return msg.Charge(part=charge.part, term=charge.term, rank=charge.rank, policy=charge.policy, bots=bots)
+
+
+@from_ros.register
+def _(charge: msg.Charge) -> Charge:
+    return Charge(charge.part, charge.term, charge.rank, charge.policy, to_ints(charge.bots))

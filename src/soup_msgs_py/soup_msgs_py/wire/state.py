@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from itertools import pairwise
 from typing import Any
 
@@ -19,6 +20,7 @@ from soup_msgs_py.messages import (
     Stations,
     Word,
     WordStationState,
+    WorldState,
 )
 from soup_msgs_py.wire.basics import (
     TYPECODES,
@@ -249,3 +251,15 @@ def _read_contents(snapshot: msg.Snapshot) -> tuple[dict[int, int], ...]:
     if not start[-1] == len(tiles) == len(counts):
         raise MalformedMessage(f"contents of {start[-1]} kinds, {len(tiles)} kinds and {len(counts)} counts")
     return tuple(dict(zip(tiles[a:b], counts[a:b], strict=True)) for a, b in pairwise(start))
+
+
+@to_ros.register
+def _(state: WorldState) -> msg.WorldState:
+    message = msg.WorldState(header=header_at(state.time), run=state.run, sequence=state.sequence)
+    message.checkpoint = array("B", state.checkpoint)
+    return message
+
+
+@from_ros.register
+def _(state: msg.WorldState) -> WorldState:
+    return WorldState(from_stamp(state.header.stamp), state.run, state.sequence, bytes(state.checkpoint))

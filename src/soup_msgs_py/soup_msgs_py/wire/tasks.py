@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 from soup_msgs import action, msg
 
-from soup_msgs_py.codes import Phase
+from soup_msgs_py.codes import Code, Phase
 from soup_msgs_py.messages import (
     DELIVER,
     STORE,
     BotStatus,
     Bound,
+    CancelDrive,
+    CancelTrip,
     DeliverGoal,
     DriveGoal,
+    DriveResult,
     StoreGoal,
     TaskFeedback,
     Tasks,
@@ -21,6 +25,7 @@ from soup_msgs_py.messages import (
     Trip,
     TripFeedback,
     TripGoal,
+    TripResult,
     Visit,
 )
 from soup_msgs_py.wire.basics import (
@@ -38,6 +43,9 @@ from soup_msgs_py.wire.basics import (
     to_points,
     to_ros,
 )
+
+DRIVE, CANCEL_DRIVE, TRIP, CANCEL_TRIP = "drive", "cancel_drive", "trip", "cancel_trip"  # verbs of orders
+MOST_ORDERS = 1 << 40  # numbers of orders are below this
 
 
 @to_ros.register
@@ -68,7 +76,7 @@ def _(goal: TripGoal) -> action.CarryTrip.Goal:
     return action.CarryTrip.Goal(trip=to_ros(goal.trip))
 
 
-def trip_goal(goal: action.CarryTrip.Goal, bot: int) -> TripGoal:
+def trip_goal(goal: action.CarryTrip.Goal | msg.Order, bot: int) -> TripGoal:
     """A trip that was asked of a bot."""
     return TripGoal(bot, from_ros(goal.trip))
 
@@ -78,7 +86,7 @@ def _(goal: DriveGoal) -> action.Drive.Goal:
     return action.Drive.Goal(points=to_points(goal.points), stamps=list(goal.stamps))
 
 
-def drive_goal(goal: action.Drive.Goal, bot: int, drive: int) -> DriveGoal:
+def drive_goal(goal: action.Drive.Goal | msg.Order, bot: int, drive: int) -> DriveGoal:
     """A drive that was asked of a bot, under the number that its shell gives it."""
     points, stamps = from_points(goal.points), tuple(not_absurd(goal.stamps))
     check_finite(*stamps)
@@ -87,16 +95,68 @@ def drive_goal(goal: action.Drive.Goal, bot: int, drive: int) -> DriveGoal:
     return DriveGoal(bot, drive, points, stamps)
 
 
+def to_order(asked: DriveGoal | CancelDrive | TripGoal | CancelTrip, run: int) -> msg.Order:
+    """What the fleet asks of a bot, in a run of the world."""
+    match asked:
+        case DriveGoal():
+            return msg.Order(
+                bot=asked.bot,
+                run=run,
+                verb=DRIVE,
+                number=asked.drive,
+                points=to_points(asked.points),
+                stamps=list(asked.stamps),
+            )
+        case CancelDrive():
+            return msg.Order(bot=asked.bot, run=run, verb=CANCEL_DRIVE, number=asked.drive)
+        case TripGoal():
+            return msg.Order(bot=asked.bot, run=run, verb=TRIP, number=asked.trip.trip, trip=to_ros(asked.trip))
+        case CancelTrip():
+            return msg.Order(bot=asked.bot, run=run, verb=CANCEL_TRIP, number=asked.trip)
+
+
+@from_ros.register
+def _(order: msg.Order) -> DriveGoal | CancelDrive | TripGoal | CancelTrip:
+    bot, number = order.bot, order.number
+    if not 0 <= number < MOST_ORDERS:
+        raise MalformedMessage(f"order {number}")
+    match order.verb:
+        case verb if verb == DRIVE:
+            return drive_goal(order, bot, number)
+        case verb if verb == CANCEL_DRIVE:
+            return CancelDrive(bot, number)
+        case verb if verb == TRIP:
+            if order.trip.trip != number:
+                raise MalformedMessage(f"trip {order.trip.trip} with the number {number}")
+            return trip_goal(order, bot)
+        case verb if verb == CANCEL_TRIP:
+            return CancelTrip(bot, number)
+    raise MalformedMessage(f"no order: {order.verb!r}")
+
+
+def to_outcome(result: DriveResult | TripResult, run: int) -> msg.Outcome:
+    """How a bot's drive or trip ended, in a run of the world."""
+    verb, number = (DRIVE, result.drive) if isinstance(result, DriveResult) else (TRIP, result.trip)
+    return msg.Outcome(
+        bot=result.bot, run=run, verb=verb, number=number, code=result.code.value, message=result.message
+    )
+
+
+@from_ros.register
+def _(outcome: msg.Outcome) -> DriveResult | TripResult:
+    code = member(Code, outcome.code)
+    if outcome.verb == DRIVE:
+        return DriveResult(outcome.bot, outcome.number, code, outcome.message)
+    if outcome.verb == TRIP:
+        return TripResult(outcome.bot, outcome.number, code, outcome.message)
+    raise MalformedMessage(f"the outcome of {outcome.verb!r}")
+
+
 @to_ros.register
 def _(feedback: TripFeedback) -> action.CarryTrip.Feedback:
     return action.CarryTrip.Feedback(
         phase=feedback.phase.value, message=feedback.message, visits_done=feedback.visits_done
     )
-
-
-def trip_feedback(feedback: action.CarryTrip.Feedback, bot: int, trip: int) -> TripFeedback:
-    """How far the trip of a bot has come."""
-    return TripFeedback(bot, trip, member(Phase, feedback.phase), feedback.visits_done, feedback.message)
 
 
 @to_ros.register
@@ -109,6 +169,8 @@ def _(status: BotStatus) -> msg.BotStatus:
         on_trip=status.trip is not None,
         visits_done=status.visits_done,
         message=status.message,
+        points=to_points(status.points),
+        stamps=status.stamps,
     )
     if status.trip is not None:
         message.trip = to_ros(status.trip)
@@ -120,7 +182,11 @@ def _(status: msg.BotStatus) -> BotStatus:
     trip = from_ros(status.trip) if status.on_trip else None
     phase = member(Phase, status.phase)
     time = from_stamp(status.header.stamp)
-    return BotStatus(time, status.bot, phase, status.bucket, trip, status.visits_done, status.message)
+    points, stamps = from_points(status.points), tuple(not_absurd(status.stamps))
+    check_finite(*stamps)
+    if len(stamps) != len(points) or any(after < before for before, after in pairwise(stamps)):
+        raise MalformedMessage(f"{len(points)} points and {len(stamps)} stamps, or stamps that go back")
+    return BotStatus(time, status.bot, phase, status.bucket, trip, status.visits_done, status.message, points, stamps)
 
 
 @to_ros.register

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from soup_msgs_py.floor_plan import DenseLayout, HexagonalLayout, MapLayout
+from soup_msgs_py.floor_plan import CellsLayout, DenseLayout, HexagonalLayout, MapLayout
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario
 from soup_sim.layouts.aisles import dense, hexagonal, rows
+from soup_sim.layouts.cells import cells
 from soup_sim.layouts.checks import check_counts, check_pitch, check_reachable
 from soup_sim.layouts.draft import Draft, body_m
 from soup_sim.layouts.drawn_map import drawn_map
@@ -25,8 +26,9 @@ def make_layout(scenario: Scenario, source: object = "scenario") -> Layout:
     check_pitch(scenario, source)
     draft = _draft(scenario, source)
     change_edges(draft, scenario.layout, body_m(scenario), source)
-    check_counts(draft, scenario, source)
-    check_reachable(draft, scenario, source)
+    if not isinstance(scenario.layout, CellsLayout):  # whose places have been looked at
+        check_counts(draft, scenario, source)
+        check_reachable(draft, scenario, source)
     return draft.layout(scenario.floor)
 
 
@@ -38,4 +40,6 @@ def _draft(scenario: Scenario, source: object) -> Draft:
         return hexagonal(scenario, plan, source)
     if isinstance(plan, MapLayout):
         return drawn_map(scenario, plan, source)
+    if isinstance(plan, CellsLayout):
+        return cells(scenario, plan, source)
     return rows(scenario, plan, source)

@@ -4,6 +4,6 @@ It shares nothing with the engine. `Judge` follows a run as it goes, `judge_log`
 """
 
 from soup_sim.validate.judge import Judge, judge_log
-from soup_sim.validate.violations import Law, Violation
+from soup_sim.validate.violations import EPSILON, Law, Violation
 
-__all__ = ["Judge", "Law", "Violation", "judge_log"]
+__all__ = ["EPSILON", "Judge", "Law", "Violation", "judge_log"]

@@ -33,7 +33,9 @@ class Judge:
     A grab, a release or a transfer is an event when it is finished, at the place where the bot is then.
     """
 
-    def __init__(self, scenario: Scenario, layout: Layout, start: Snapshot, keep: int = 1000) -> None:
+    def __init__(
+        self, scenario: Scenario, layout: Layout, start: Snapshot, keep: int = 1000, rounding_m: float = EPSILON
+    ) -> None:
         """Begin a run.
 
         Args:
@@ -41,6 +43,7 @@ class Judge:
             layout: Its floor.
             start: The world right after event `start.sequence`, which is not judged any more.
             keep: How many violations are stored; all are counted.
+            rounding_m: How exactly the places of buckets in poses are told; over a network they are rounded.
         """
         self._record = Record(keep)
         self._sequence = start.sequence
@@ -51,7 +54,7 @@ class Judge:
         self._bundles = BundleLedger(scenario, layout, start, self._record)
         self._buckets = BucketLedger(scenario, layout, start, self._record)
         self._bots = BotLedger(scenario, start, self._record)
-        self._pose_laws = PoseLaws(scenario, layout, self._buckets, self._record)
+        self._pose_laws = PoseLaws(scenario, layout, self._buckets, self._record, rounding_m)
         self._tiles = _count_tiles(start)
 
         words, letters = len(layout.word_stations), len(layout.letter_stations)

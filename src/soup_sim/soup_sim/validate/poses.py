@@ -21,13 +21,16 @@ Places = NDArray[np.float64]  # shape (n, 2)
 class PoseLaws:
     """Looks at one instant after another. What stays wrong from one look to the next is written down once."""
 
-    def __init__(self, scenario: Scenario, layout: Layout, buckets: BucketLedger, record: Record) -> None:
-        """Prepare for looking."""
+    def __init__(
+        self, scenario: Scenario, layout: Layout, buckets: BucketLedger, record: Record, rounding_m: float
+    ) -> None:
+        """Prepare for looking; places of buckets are told to within `rounding_m`."""
+        self._rounding = rounding_m
         self._width, self._height = layout.width_m, layout.height_m
         self._max_speed = scenario.bot.max_speed_mps
         self._bot_reach = 2 * scenario.bot.radius_m - EPSILON
-        self._bucket_reach = 2 * scenario.bucket.radius_m - EPSILON
-        self._tolerance = scenario.bot.tolerance_m + EPSILON
+        self._bucket_reach = 2 * scenario.bucket.radius_m - rounding_m
+        self._tolerance = scenario.bot.tolerance_m + rounding_m
         self._spots = cKDTree(_places(buckets.spot_xy))
         self._spot_changes = buckets.spot_changes
         self._ledger = buckets
@@ -107,7 +110,7 @@ class PoseLaws:
 
     def _on_floor(self, name: str, at: Places) -> None:
         size = np.array([self._width, self._height])
-        wrong = ((at < -EPSILON) | (at > size + EPSILON)).any(axis=1)
+        wrong = ((at < -self._rounding) | (at > size + self._rounding)).any(axis=1)
         self._report(
             Law.FLOOR,
             f"floor {name}",
@@ -179,7 +182,7 @@ class PoseLaws:
         self._report(
             Law.CARRYING,
             "together",
-            held[away > EPSILON].tolist(),
+            held[away > self._rounding].tolist(),
             lambda n: f"bucket {n} is not where bot {buckets.bot[n]} is, which carries it",
         )
 
@@ -221,7 +224,7 @@ class PoseLaws:
         self._report(
             Law.STORAGE,
             "moved",
-            np.flatnonzero((moved > EPSILON) & (buckets.bot < 0) & (bot < 0)).tolist(),
+            np.flatnonzero((moved > self._rounding) & (buckets.bot < 0) & (bot < 0)).tolist(),
             lambda n: f"bucket {n} moved {moved[n]:g} m from where it rests",
         )
 

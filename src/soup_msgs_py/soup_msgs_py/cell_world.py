@@ -7,12 +7,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from soup_msgs_py.errors import InputError
 
 ROBOT, BOX, SHELF, FULL, FLOOR = "@*|#_"
 ALLOWED = "@ robot, * box, | empty shelf, # full shelf or wall, _ floor"
 MOST_CELLS = 1_000_000
+SUFFIX = ".txt"  # of a world file, where a scenario could be one
+PITCH_M = 3.0  # between two cells of a warehouse's floor
+_WORDS = Path(__file__).resolve().parents[3] / "config/words/prose.txt"  # every scenario has some
 MOVES = {"U": (0, -1), "D": (0, 1), "L": (-1, 0), "R": (1, 0)}
 
 
@@ -40,6 +44,11 @@ class World:
     def cells(self) -> int:
         """How many cells there are."""
         return self.width * self.height
+
+    @cached_property
+    def open_cells(self) -> tuple[int, ...]:
+        """The cells that are no walls, ascending: on a warehouse's floor each is a waypoint, in this order."""
+        return tuple(cell for cell in range(self.cells) if cell not in self.walls)
 
     def place(self, cell: int) -> tuple[int, int]:
         """Column and row of a cell."""
@@ -80,12 +89,42 @@ def read_world(path: Path) -> World:
     Raises:
         InputError: It cannot be read, or there can be no plan for what it shows.
     """
+    return parse_world(_read(path), path)
+
+
+def world_scenario(path: Path) -> dict[str, Any]:
+    """The values of a scenario in which bucketbots do what the robots of a world file do.
+
+    Boxes are buckets, shelves are storage spots. A warehouse has stations; those of this one stand below the cells,
+    and nobody orders anything.
+
+    Raises:
+        InputError: As `read_world`, or there is nothing to do.
+    """
+    text = _read(path)
+    world = parse_world(text, path)
+    if not world.boxes:
+        raise InputError(path, "", "no box", f"at least one {BOX}")
+    return {
+        "name": path.stem[:80],
+        "floor": {"width_m": (max(world.width, 2) + 1) * PITCH_M, "height_m": (world.height + 2) * PITCH_M},
+        "bots": len(world.robots),
+        "buckets": len(world.boxes),
+        "word_stations": 1,
+        "letter_stations": 1,
+        "words": str(_WORDS),
+        "orders": {"kind": "none"},
+        "bundles": {"kind": "none"},
+        "layout": {"kind": "cells", "rows": text.split()[: world.height], "pitch_m": PITCH_M},
+    }
+
+
+def _read(path: Path) -> str:
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else "no text"
         raise InputError(path, "", reason, "a world file") from error
-    return parse_world(text, path)
 
 
 def parse_world(text: str, source: object = "world") -> World:

@@ -1,0 +1,12 @@
+"""Run a Fast DDS discovery server, by which the parts of a warehouse on several machines find each other."""
+
+import _environment
+
+_environment.enter()
+
+import sys
+
+from soup_lab.discovery_cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,13 @@
+"""Have a new manager, or a new mind for some bots, take over from the one that runs; see --help."""
+
+import _environment
+
+_environment.enter()
+
+import sys
+
+from _command_line import POLICIES
+from soup_lab.swap_cli import main
+
+if __name__ == "__main__":
+    sys.exit(main(policies=POLICIES))

@@ -1,0 +1,100 @@
+"""The program behind `scripts/bag_summary.py`: the figures of a run from its bag alone."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from soup_lab.bag_reader import Bag, open_bag
+from soup_lab.bag_summary import Course, differences, read_course, summarize
+from soup_msgs_py import arguments as args
+from soup_msgs_py.errors import InputError
+from soup_sim.summary import table, write_summary
+
+FIGURES = "a summary that --summary has written"
+
+
+def parse(argv: Sequence[str] | None) -> argparse.Namespace:
+    """Read the command line."""
+    parser = args.Parser("The figures of a run, computed from the events in its bag.")
+    parser.add_argument("folder", type=Path, metavar="DIR", help="the bag")
+    parser.add_argument("--compare", type=Path, metavar="JSON", help="tell where the figures of a summary differ")
+    parser.add_argument("--warmup", type=args.not_negative, metavar="S", help="not counted; without: as in the run")
+    parser.add_argument("--summary", type=args.output_file, metavar="FILE", help="write the figures as JSON")
+    return parser.parse_args(argv)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Print the table, write the summary; the exit status: 1 where counted figures differ."""
+    options = parse(argv)
+    console = Console()
+    try:
+        theirs = read_summary(options.compare) if options.compare is not None else None
+        with open_bag(options.folder.absolute()) as bag:
+            course = read_course(bag)
+            summary = summarize(course, options.warmup)
+            told = tell(bag, course)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    console.print(table(summary))
+    console.print(told, highlight=False)
+    if options.summary is not None:
+        write_summary(options.summary, summary)
+    if theirs is None:
+        return 0
+    return compare(console, summary, theirs)
+
+
+def read_summary(path: Path) -> dict[str, Any]:
+    """Read a summary.
+
+    Raises:
+        InputError: There is none.
+    """
+    try:
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "", error.strerror or error, FIGURES) from error
+    except ValueError as error:
+        raise InputError(path, "", f"no JSON ({error})", FIGURES) from error
+    if not isinstance(summary, dict) or "words_completed" not in summary:
+        raise InputError(path, "", "no summary", FIGURES)
+    return summary
+
+
+def tell(bag: Bag, course: Course) -> str:
+    """How complete a bag is."""
+    dropped = sum(json.loads(bag.notes.get("dropped", "{}")).values())
+    lines = [f"{sum(bag.counts.values()):,} messages on {len(bag.counts)} topics, {dropped} dropped"]
+    if course.missing:
+        lines.append(f"{course.missing} events are missing")
+    if course.restarts:
+        lines.append(f"the world was started again {course.restarts} times")
+    if course.start is not None and course.start.time > 0.0:
+        lines.append(f"the bag begins at {course.start.time:g} s")
+    return "; ".join(lines)
+
+
+def compare(console: Console, ours: dict[str, Any], theirs: dict[str, Any]) -> int:
+    """Tell where the figures differ; 1 if counted ones do."""
+    found = differences(ours, theirs)
+    counted = sum(is_counted for *_, is_counted in found)
+    if found:
+        shown = Table("figure", "bag", "summary", "", title="Differences", title_justify="left")
+        for key, value, other, is_counted in found:
+            shown.add_row(key, str(value), str(other), "" if is_counted else "measured from places in the bag")
+        console.print(shown)
+    console.print(f"{len(ours) - len(found)} figures are equal, {counted} counted ones differ", highlight=False)
+    return 1 if counted else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,141 @@
+"""Managers that stand by and take over, and how others notice: over DDS liveliness."""
+
+from __future__ import annotations
+
+import secrets
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.node import Node
+from soup_msgs import msg
+from std_srvs.srv import Trigger
+
+from soup_msgs_py import topics
+from soup_msgs_py.live.process import Live
+from soup_msgs_py.live.report import Report
+from soup_msgs_py.live.services import Answer, serve
+from soup_msgs_py.messages import Charge
+from soup_msgs_py.qos import ALIVE
+from soup_msgs_py.succession import Standing, Succession
+from soup_msgs_py.wire import to_ros
+
+LOOK_S = 0.1
+ASK_AGAIN_S = 2.0
+RANK_BITS = 62
+
+
+class ChargeWatch:
+    """Follows who is in charge of a role.
+
+    Attributes:
+        alive: How many are, or claim to be.
+        newest: The newest claim.
+    """
+
+    def __init__(self, live: Live, node: Node, manager: str, heard: Callable[[Charge], None] | None = None) -> None:
+        """Begin to follow.
+
+        Args:
+            live: The process.
+            node: The node that subscribes.
+            manager: Name of the manager's node.
+            heard: Is told every claim.
+        """
+        self.alive = 0
+        self.newest: Charge | None = None
+        self._heard = heard
+        events = SubscriptionEventCallbacks(liveliness=live.guard(self._on_liveliness))
+        topic = topics.of_manager(manager, topics.CHARGE)
+        live.follow(node, msg.Charge, topic, self._on_charge, ALIVE, event_callbacks=events)
+
+    @property
+    def term(self) -> int:
+        """The term of who is in charge; 0 for nobody."""
+        return self.newest.term if self.newest is not None and self.alive else 0
+
+    def _on_liveliness(self, info: Any) -> None:
+        self.alive = info.alive_count
+
+    def _on_charge(self, charge: Charge) -> None:
+        if self.newest is None or charge.term >= self.newest.term:
+            self.newest = charge
+        if self._heard is not None:
+            self._heard(charge)
+
+
+class InCharge:
+    """A manager's place among those of its role."""
+
+    def __init__(
+        self,
+        live: Live,
+        node: Node,
+        report: Report,
+        policy: str,
+        *,
+        take_over: bool,
+        begin: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Look around.
+
+        Args:
+            live: The process.
+            node: Node of the manager.
+            report: What it says of itself, under another name while it stands by.
+            policy: What it follows.
+            take_over: Whether to ask whoever is in charge to hand over.
+            begin: Called once, when it is in charge.
+        """
+        self._live, self._node, self._report, self._begin = live, node, report, begin
+        report.name = f"{live.name} (stands by)"
+        self._succession = Succession(live.name, secrets.randbits(RANK_BITS), policy, time.monotonic())
+        self._watch = ChargeWatch(live, node, node.get_name(), self._succession.heard)
+        self._publisher: Any = None
+        self._begun = False
+        self._asks = node.create_client(Trigger, self._topic(topics.HAND_OVER)) if take_over else None
+        self._ask_due = 0.0
+        live.every(LOOK_S, self._look)
+
+    @property
+    def missing(self) -> str:
+        """What the manager waits for; empty where it is in charge."""
+        if self._begun:
+            return ""
+        other = self._succession.other
+        if self._watch.alive and other is not None:
+            return f"stands by for the {other.part} that follows {other.policy}"
+        return "looks whether another one is in charge"
+
+    def _topic(self, name: str) -> str:
+        return topics.of_manager(self._node.get_name(), name)
+
+    def _look(self) -> None:
+        succession, wall = self._succession, time.monotonic()
+        succession.alive(self._watch.alive - (self._publisher is not None))
+        if succession.look(wall):
+            self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), ALIVE)
+            self._publisher.publish(to_ros(succession.claim))
+        match succession.standing:
+            case Standing.IN_CHARGE if not self._begun:
+                self._begun = True
+                self._report.name = self._live.name
+                serve(self._live, self._node, Trigger, self._topic(topics.HAND_OVER), self._on_hand_over)
+                self._begin()
+            case Standing.STANDS_BY if self._publisher is not None:
+                self._node.destroy_publisher(self._publisher)
+                self._publisher = None
+            case Standing.STANDS_BY if self._asks is not None and wall >= self._ask_due:
+                self._ask_due = wall + ASK_AGAIN_S
+                self._asks.call_async(Trigger.Request())
+            case Standing.REPLACED:
+                other = succession.other
+                policy = other.policy if other is not None else "unknown"
+                print(f"{self._live.name}: ends, another one ({policy}) has taken over", file=sys.stderr, flush=True)
+                self._live.stop()
+
+    def _on_hand_over(self, _request: Trigger.Request, answer: Answer) -> None:
+        answer.give(Trigger.Response(success=True, message=f"the {self._live.name} ends"))
+        self._live.stop()

@@ -1,0 +1,102 @@
+"""A fleet manager dies in the middle of a run, and another one takes over what bots and buckets are left as."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import _environment
+from soup_lab.headless import Headless, make_minds
+from soup_managers.make_fleet import make_fleet
+from soup_managers.planned_fleet import PlannedFleet
+from soup_managers.view import WarehouseView
+from soup_msgs_py import messages as m
+from soup_msgs_py.codes import Code
+from soup_msgs_py.mind import Message
+from soup_msgs_py.policies import Policies, load_policies
+from soup_sim.setup import load_warehouse
+
+CONFIG: Path = _environment.ROOT / "config"
+POLICIES = load_policies(CONFIG / "policies" / "best.yaml")
+
+
+class Nobody:
+    """Stands where a fleet manager was."""
+
+    next_wake = math.inf
+    wants_places = False
+    reacts_to = frozenset()
+
+    def handle(self, _message: Message, _now: float) -> list[Message]:
+        return []
+
+
+def take_over(run: Headless, pause_s: float, policies: Policies = POLICIES) -> None:
+    """Kill the fleet manager; after a while, during which bots do what they were asked for, there is another one."""
+    world = run.world
+    nobody: Any = Nobody()
+    tasks, run.fleet = run.fleet.tasks(), nobody
+    run._all = (run.word, run.letter, run.fleet, run.crew)
+    run.run(world.now + pause_s)
+    policy = make_minds(policies).fleet
+    view = WarehouseView(world.scenario, world.layout)
+    fleet = make_fleet(world.scenario, world.layout, policy, view, np.random.default_rng(1))
+    run.fleet, run._all = fleet, (run.word, run.letter, fleet, run.crew)
+    run._say(fleet, fleet.handle(world.snapshot(), world.now))
+    for mind in run.crew.minds.values():
+        run._say(fleet, fleet.handle(mind._status(world.now), world.now))
+    for task in tasks:
+        manager = run.word if task.kind == m.DELIVER else run.letter
+        gone = m.TaskResult(task.kind, task.task, Code.STOPPED, "the fleet manager is gone")
+        run._say(manager, manager.handle(gone, world.now))
+    run._carry()
+
+
+@pytest.mark.parametrize("pause_s", [0.0, 4.0, 30.0])
+@pytest.mark.parametrize("seed", [1])
+def test_nobody_collides_and_words_go_on(seed: int, pause_s: float):
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=24"])
+    run = Headless(warehouse.world(seed), POLICIES, seed)
+    before = 0
+    for k in range(1, 5):
+        run.run(150.0 * k)
+        words = run.world.statistics()["words_completed"]
+        assert words > before
+        before = words
+        take_over(run, pause_s)
+    run.run(750.0)
+    figures = run.world.statistics()
+    assert figures["words_completed"] > before
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+
+
+@pytest.mark.parametrize("pause_s", [0.0, 5.0])
+def test_a_plan_is_carried_out_whoever_does_it(pause_s: float):
+    warehouse = load_warehouse(CONFIG / "worlds" / "medium1.txt")
+    policies = load_policies(CONFIG / "policies" / "planned.yaml")
+    run = Headless(warehouse.world(1), policies, 1)
+    for k in range(1, 12):
+        run.run(max(3.0 * k, run.world.now))
+        take_over(run, pause_s, policies)
+    run.run(120.0)
+    figures = run.world.statistics()
+    assert figures["releases"] == figures["grabs"] == 4
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+    assert isinstance(run.fleet, PlannedFleet) and run.fleet.is_done
+
+
+def test_a_goal_that_came_before_its_word_was_opened_is_served_though_the_event_was_lost():
+    world = load_warehouse(CONFIG / "scenarios" / "demo.yaml").world(1)
+    view = WarehouseView(world.scenario, world.layout)
+    fleet = make_fleet(world.scenario, world.layout, make_minds(POLICIES).fleet, view, np.random.default_rng(1))
+    fleet.handle(world.snapshot(), 0.0)
+    word = world.snapshot().waiting_words[0]
+    fleet.handle(m.DeliverGoal(7, 0, word.word, word.tiles), 0.0)
+    assert not fleet.tasks()
+    world.handle(m.AssignWord(word.word, 0))
+    fleet.handle(world.snapshot(), 1.0)
+    assert [task.job for task in fleet.tasks()] == [word.word]
