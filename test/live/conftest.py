@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 import _environment
-from soup_msgs_py.live.shared_memory import remove_unused, used_by
+from soup_msgs_py.live.shared_memory import ports_of, remove_unused, used_by
 
 SCRIPTS = _environment.ROOT / "scripts"
 MARK = "SOUP_TEST"  # environment variable by which a test knows its processes, grandchildren included
@@ -44,12 +44,6 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
             remove_ports(number)
             return
     pytest.fail("no free ROS domain")
-
-
-def ports_of(domain: int) -> range:
-    """The ports that DDS gives to the processes of a domain."""
-    first = 7400 + 250 * domain
-    return range(first, first + 250)
 
 
 def remove_ports(domain: int) -> None:
@@ -137,6 +131,15 @@ class Parts:
                 files.add(file)
         self._memory |= files
         return files
+
+    def litter(self, files: set[Path]) -> dict[str, list[str]]:
+        """Those of some files that are still there, each with the processes that use it.
+
+        Without what this process itself still uses: a test's own node lets go of the others' ports when it likes.
+        """
+        left = {file for file in files - used_by("self") if file.exists()}
+        numbers = [entry.name for entry in Path("/proc").iterdir() if entry.name.isdecimal()]
+        return {file.name: [number for number in numbers if file in used_by(number)] for file in left}
 
     def close(self) -> None:
         """Kill what is left, and remove what killed processes leave in shared memory."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import math
 import time
 from typing import Any
@@ -36,6 +37,7 @@ class Person:
         self._executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self._context)
+        gc.collect()  # the participant leaves the graph when nothing refers to it any more
 
     def listen(self, kind: type, topic: str, latched: bool = False) -> None:
         """Keep the newest message of a topic in `heard`."""

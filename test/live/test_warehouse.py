@@ -71,7 +71,7 @@ def test_parts_started_by_hand_in_any_order_assemble_words_and_each_ends_at_once
         assert process.returncode == 0, name
     assert json.loads((parts.folder / "out.json").read_text())["violations"] == 0
     assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
-    assert not [file for file in memory if file.exists()], "shared memory is left behind"
+    assert parts.litter(memory) == {}
 
 
 def test_a_part_without_a_world_says_once_what_it_waits_for(parts: Parts):
@@ -109,7 +109,7 @@ def test_the_warehouse_ends_with_ctrl_c_and_leaves_nothing(parts: Parts, prose: 
     assert parts.all_gone()  # the process that the parts are forked from ends after the starter
     assert json.loads((parts.folder / "out.json").read_text())["sim_seconds"] > 0
     assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
-    assert not [file for file in memory if file.exists()], "shared memory is left behind"
+    assert parts.litter(memory) == {}
 
 
 def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Parts, prose: str):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from soup_msgs_py.live.shared_memory import FOLDER, remove_unused, used_by
+from soup_msgs_py.live.shared_memory import FOLDER, ports_here, ports_of, remove_unused, used_by
 
 HOLD = """
 import fcntl, mmap, sys
@@ -66,3 +66,15 @@ def test_what_this_process_alone_still_has_goes(port: Path):
         assert port in used_by("self")
         remove_unused({port})
     assert not port.exists()
+
+
+def test_ports_of_the_own_domain_are_found(monkeypatch: pytest.MonkeyPatch):
+    file = FOLDER / f"fastrtps_port{ports_of(230)[-1]}"  # no test uses so high a domain
+    file.touch()
+    try:
+        monkeypatch.setenv("ROS_DOMAIN_ID", "230")
+        assert file in ports_here()
+        monkeypatch.setenv("ROS_DOMAIN_ID", "231")
+        assert file not in ports_here()
+    finally:
+        file.unlink()

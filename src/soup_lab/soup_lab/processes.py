@@ -13,7 +13,7 @@ from pathlib import Path
 
 from soup_lab.part import become
 from soup_msgs_py.live.process import Lateness
-from soup_msgs_py.live.shared_memory import remove_unused, used_by
+from soup_msgs_py.live.shared_memory import ports_here, remove_unused, used_by
 
 GRACE_S = 2.8  # to end in order; then killed. Parts give up by themselves before
 LOOK_S = 0.05
@@ -112,5 +112,5 @@ class Processes:
                 process.kill()
                 process.join()
                 killed.append(name)
-        remove_unused(self._memory)
+        remove_unused(self._memory | ports_here())
         return killed

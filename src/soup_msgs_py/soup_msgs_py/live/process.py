@@ -26,7 +26,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
 from soup_msgs_py.errors import InputError, RunError
-from soup_msgs_py.live.shared_memory import remove_unused, used_by
+from soup_msgs_py.live.shared_memory import ports_here, remove_unused, used_by
 from soup_msgs_py.wire import MalformedMessage, from_ros
 
 LONGEST_WAIT_S = 0.1  # between two looks at the signals
@@ -208,7 +208,7 @@ class Live:
         self._memory |= used_by("self")
         rclpy.try_shutdown()
         gone.set()
-        remove_unused(self._memory)
+        remove_unused(self._memory | ports_here())
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
 

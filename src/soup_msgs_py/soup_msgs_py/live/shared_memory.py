@@ -23,6 +23,18 @@ def used_by(process: int | str) -> set[Path]:
     return set()
 
 
+def ports_of(domain: int) -> range:
+    """Numbers of the ports that DDS gives to the processes of a domain."""
+    first = 7400 + 250 * domain
+    return range(first, first + 250)
+
+
+def ports_here() -> set[Path]:
+    """The ports of this process's domain that are in shared memory now."""
+    numbers = ports_of(int(os.environ.get("ROS_DOMAIN_ID") or 0))
+    return {FOLDER / f"fastrtps_port{number}" for number in numbers}.intersection(FOLDER.iterdir())
+
+
 def remove_unused(files: set[Path]) -> None:
     """Remove those of some files that no other process owns or uses, with what belongs to them."""
     mine = _open_files()
