@@ -11,6 +11,7 @@ from rclpy.node import Node
 
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.live.domain_id import VARIABLE, domain_id
 from soup_msgs_py.live.process import Live
 
 DISCOVERY_S = 1.5  # a participant announces itself to its neighbours several times in this time
@@ -71,15 +72,11 @@ def _claim() -> Iterator[None]:
     """
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as name:
         try:
-            name.bind(f"\0alphabet-soup/world/{_domain()}")
+            name.bind(f"\0alphabet-soup/world/{domain_id()}")
         except OSError as error:
             raise _another_world() from error
         yield
 
 
-def _domain() -> str:
-    return os.environ.get("ROS_DOMAIN_ID") or "0"
-
-
 def _another_world() -> InputError:
-    return InputError("ROS_DOMAIN_ID", "", f"another world in domain {_domain()}", "a domain of its own for each world")
+    return InputError(VARIABLE, "", f"another world in domain {domain_id()}", "a domain of its own for each world")

@@ -26,6 +26,7 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
 from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.live.domain_id import domain_id
 from soup_msgs_py.live.shared_memory import ports_here, remove_unused, used_by
 from soup_msgs_py.wire import MalformedMessage, from_ros
 
@@ -53,7 +54,11 @@ class Live:
             name: For messages to a person.
             starts_again: Whether to end with `StoodStill` after the process was stopped for a while. The others have
                 given it up by then, and it would hear no more of them.
+
+        Raises:
+            InputError: The environment names a domain that there is not.
         """
+        domain_id()  # whether it makes sense
         self.name = name
         self._still = Stillness() if starts_again else None
         self.malformed = 0

@@ -12,6 +12,8 @@ import os
 import re
 from pathlib import Path
 
+from soup_msgs_py.live.domain_id import domain_id
+
 FOLDER = Path("/dev/shm")
 _MAPPED = re.compile(r"\s(/dev/shm/fastrtps_(?:port\d+|[0-9a-f]{16}))$", re.MULTILINE)
 
@@ -31,7 +33,7 @@ def ports_of(domain: int) -> range:
 
 def ports_here() -> set[Path]:
     """The ports of this process's domain that are in shared memory now."""
-    numbers = ports_of(int(os.environ.get("ROS_DOMAIN_ID") or 0))
+    numbers = ports_of(domain_id())
     return {FOLDER / f"fastrtps_port{number}" for number in numbers}.intersection(FOLDER.iterdir())
 
 
