@@ -255,6 +255,16 @@ def test_a_drive_by_a_timetable_that_was_interrupted_is_over(mind, code):
     assert mind.next_wake == NEVER
 
 
+def test_a_way_that_was_planned_for_another_load_is_refused(mind):
+    refused = only(mind.handle(DriveGoal(3, 1, ((9.0, 9.0),), bucket=8), 0.0), DriveResult)
+    assert (refused.code, refused.message) == (
+        Code.INVALID, "bot 3 carries nothing, the way is for one that carries bucket 8",
+    )  # fmt: skip
+    assert not mind.driving
+    mind.handle(DriveGoal(3, 2, ((9.0, 9.0),), bucket=-1), 0.0)
+    assert mind.driving
+
+
 def test_a_new_drive_replaces_the_old_one(mind):
     mind.handle(DriveGoal(3, 1, ((9.0, 9.0),)), 0.0)
     result = only(mind.handle(DriveGoal(3, 2, ((9.0, 1.0),)), 1.0), DriveResult)

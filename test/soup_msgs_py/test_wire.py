@@ -216,7 +216,13 @@ orders = st.integers(0, wire.MOST_ORDERS - 1)
 @given(
     st.builds(m.CancelDrive, int32, orders)
     | st.builds(m.CancelTrip, int32, orders)
-    | st.builds(lambda bot, number, drive: m.DriveGoal(bot, number, *drive), int32, orders, drives)
+    | st.builds(
+        lambda bot, number, drive, load: m.DriveGoal(bot, number, *drive, load),
+        int32,
+        orders,
+        drives,
+        st.none() | st.integers(-1, 2**31 - 1),
+    )
     | st.builds(lambda bot, number, trip: m.TripGoal(bot, replace(trip, trip=number)), int32, orders, trips),
     int64,
 )

@@ -110,6 +110,10 @@ class BotMind(Driver):
             return [DriveResult(self.bot, goal.drive, Code.BUSY, f"bot {self.bot} {why}")]
         if not goal.points:
             return [DriveResult(self.bot, goal.drive, Code.INVALID, "no point to drive to")]
+        if goal.bucket not in (None, self.bucket):
+            loads = [f"bucket {bucket}" if bucket >= 0 else "nothing" for bucket in (self.bucket, goal.bucket)]
+            why = f"bot {self.bot} carries {loads[0]}, the way is for one that carries {loads[1]}"
+            return [DriveResult(self.bot, goal.drive, Code.INVALID, why)]
         out = self._end_drive(Code.REPLACED, f"replaced by drive {goal.drive}")
         self._drive = goal.drive
         self.phase = Phase.DRIVING

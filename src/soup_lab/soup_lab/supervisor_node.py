@@ -14,9 +14,9 @@ from soup_lab.restarts import Restarts
 from soup_msgs_py import topics
 from soup_msgs_py.errors import RunError
 from soup_msgs_py.live.process import Live
-from soup_msgs_py.messages import Heard
+from soup_msgs_py.messages import Charge, Heard
 from soup_msgs_py.mind import NEVER
-from soup_msgs_py.qos import EVERY_ONE
+from soup_msgs_py.qos import CHARGES, EVERY_ONE
 from soup_msgs_py.wire import to_ros
 
 WORLD = "world"
@@ -49,6 +49,7 @@ class Supervisor:
         self._parts = {part.name: part for part in parts}
         self._restarts = Restarts()
         self._heard = node.create_publisher(msg.Heard, topics.HEARD, EVERY_ONE)
+        self._charges = node.create_publisher(msg.Charge, topics.BOTS_CHARGE, CHARGES)
         for part in parts:
             self._start(part)
         live.every(LOOK_S, self._look)
@@ -92,3 +93,5 @@ class Supervisor:
         self._tell(f"{name} {self._processes.last_words(name)}; starts again in {pause:g} s")
         # the world is not to wait for somebody who is gone
         self._heard.publish(to_ros(Heard(name, 0, NEVER, leaves=True)))
+        # and the fleet is not to count on bots that it may have had
+        self._charges.publish(to_ros(Charge(name, 0, time.time_ns(), "")))

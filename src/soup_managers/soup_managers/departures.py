@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 from soup_msgs_py.messages import DriveGoal
 from soup_msgs_py.mind import NEVER
 
@@ -15,19 +17,34 @@ class Departures:
     would have many drives refused as late, and planning those anew would make it busier still.
     """
 
-    def __init__(self) -> None:
-        """Begin with nobody under way."""
+    def __init__(self, together: Callable[[int], Iterable[int]]) -> None:
+        """Begin with nobody under way.
+
+        Args:
+            together: The bots of the process that has a bot: where one does not answer, nobody does.
+        """
+        self._together = together
         self._asked: dict[int, tuple[float, float]] = {}  # bot -> departure (simulated s), when it was asked (wall s)
+        self._silent: set[int] = set()  # bots that are waited for no more, until their process answers again
 
     def ask(self, goal: DriveGoal, wall: float) -> None:
         """A bot has been asked to drive at wall time `wall` (s); one without stamps departs when it likes."""
         self._asked.pop(goal.bot, None)
-        if goal.stamps:
+        if goal.stamps and goal.bot not in self._silent:
             self._asked[goal.bot] = goal.stamps[0], wall
 
     def confirm(self, bot: int) -> None:
         """A bot says that it drives, or that it does not."""
         self._asked.pop(bot, None)
+        if bot in self._silent:
+            self._silent.difference_update(self._together(bot))
+            self._silent.discard(bot)
+
+    def give_up(self, bot: int) -> None:
+        """A bot does not answer: nobody waits for it and for the others of its process."""
+        for mate in (bot, *self._together(bot)):
+            self._silent.add(mate)
+            self._asked.pop(mate, None)
 
     def clear(self) -> None:
         """Another world has begun."""
@@ -36,5 +53,5 @@ class Departures:
     def earliest(self, wall: float) -> float:
         """The simulated time (s) that must not be overtaken yet; infinity for none."""
         for bot in [bot for bot, (_, asked) in self._asked.items() if wall - asked > PATIENCE_S]:
-            del self._asked[bot]
+            self.give_up(bot)
         return min((depart for depart, _ in self._asked.values()), default=NEVER)

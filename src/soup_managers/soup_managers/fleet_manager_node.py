@@ -14,6 +14,7 @@ from soup_msgs import action, msg, srv
 
 from soup_managers.departures import Departures
 from soup_managers.explain import Explain
+from soup_managers.hosts import Hosts
 from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
 from soup_managers.orders_node import Orders
 from soup_managers.station_manager_node import role_rng, run_manager
@@ -28,11 +29,13 @@ from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import (
     DELIVER,
     STORE,
+    BotGone,
     BotStatus,
     Bound,
     CancelDrive,
     CancelTask,
     CancelTrip,
+    Charge,
     DriveGoal,
     DriveResult,
     SetStorageSpot,
@@ -45,7 +48,7 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import PolicyChoice
-from soup_msgs_py.qos import DISPLAY, LATCHED
+from soup_msgs_py.qos import CHARGES, DISPLAY, LATCHED
 from soup_msgs_py.wire import Announcement, MalformedMessage, from_cdr, from_ros, to_ros
 
 TASKS_PERIOD_S = 0.5
@@ -84,7 +87,8 @@ class FleetManagerNode:
         self._newest: dict[int, tuple[int, BotStatus]] = {}  # with the run that it is of
         self._silent: set[int] = set()  # bots that have spoken, but may not hear yet
         self._known: set[int] = set()
-        self._departures = Departures()
+        self._hosts = Hosts()
+        self._departures = Departures(self._hosts.together)
         self._is_new = False  # another world has begun, and its fleet is not told yet what came before it
         self._report = Report(live, node)
         self._report.values = {"policy": choice.name, "bots": "0"}
@@ -103,6 +107,7 @@ class FleetManagerNode:
             live, node, self._report, self._make_mind, self._carry, lambda: self._charge.missing,
             holds=lambda: self._departures.earliest(time.monotonic()), prepare=self._set_lead,
         )  # fmt: skip
+        live.follow(node, msg.Charge, topics.BOTS_CHARGE, self._on_bots_charge, CHARGES)
         live.subscribe(node, msg.Bots, topics.BOTS, self._on_poses, DISPLAY, raw=True)
         self._poses = b""
         live.every(TASKS_PERIOD_S, self._look_at_fleet)
@@ -112,9 +117,8 @@ class FleetManagerNode:
         for bot in range(self._bots, world.scenario.bots):
             status = topics.bot_topic(bot, topics.STATUS)
             take = partial(self._on_status, bot)
-            self._orders.follow(
-                bot, self._live.subscribe(self._node, msg.BotStatus, status, take, LATCHED).get_publisher_count
-            )
+            subscription = self._live.subscribe(self._node, msg.BotStatus, status, take, LATCHED)
+            self._orders.follow(bot, partial(self._minds_of, bot, subscription.get_publisher_count))
         self._bots = max(self._bots, world.scenario.bots)
         self._orders.clear()
         policy = load_fleet(self._choice)
@@ -198,8 +202,17 @@ class FleetManagerNode:
         self._orders.look()
         self._report.values["bots"] = str(len(self._known))
 
-    def _on_result(self, result: DriveResult | TripResult) -> None:
-        if isinstance(result, DriveResult):
+    def _minds_of(self, bot: int, seen: Callable[[], int]) -> int:
+        # who was killed is still seen for a while
+        return 0 if self._hosts.is_gone(bot) else seen()
+
+    def _on_bots_charge(self, charge: Charge) -> None:
+        for bot in sorted(self._hosts.hear(charge)):
+            self._departures.give_up(bot)
+            self._follower.tell(BotGone(bot))
+
+    def _on_result(self, result: DriveResult | TripResult, answered: bool) -> None:
+        if isinstance(result, DriveResult) and answered:
             self._departures.confirm(result.bot)
         self._follower.tell(result)
 

@@ -25,14 +25,14 @@ GONE = "who was asked is gone"
 class Orders:
     """Orders that are under way."""
 
-    def __init__(self, live: Live, node: Node, run: Callable[[], int], ended: Callable[[Result], None]) -> None:
+    def __init__(self, live: Live, node: Node, run: Callable[[], int], ended: Callable[[Result, bool], None]) -> None:
         """Nothing is asked yet.
 
         Args:
             live: The process.
             node: The node that asks.
             run: Tells which run of the world it follows.
-            ended: Is told how what it asked for ended.
+            ended: Is told how what it asked for ended, and whether the bot itself says so.
         """
         self._node, self._run, self._ended = node, run, ended
         self._publisher = node.create_publisher(msg.Order, topics.ORDERS, EVERY_ONE)
@@ -41,7 +41,7 @@ class Orders:
         live.subscribe(node, msg.Outcome, topics.OUTCOMES, self._on_outcome, EVERY_ONE)
 
     def follow(self, bot: int, signs: Callable[[], int]) -> None:
-        """There is a bot; `signs` tells how many nodes of it are seen."""
+        """There is a bot; `signs` tells how many nodes of it are seen that are alive."""
         self._signs[bot] = signs
 
     @property
@@ -73,7 +73,7 @@ class Orders:
         """End what was asked of bots that are gone."""
         for bot in [bot for bot, asked in self._asked.items() if asked and not self.is_there(bot)]:
             for gone in self._asked.pop(bot).values():
-                self._ended(gone)
+                self._ended(gone, False)
 
     def clear(self) -> None:
         """Another world has begun."""
@@ -85,4 +85,4 @@ class Orders:
             return
         number = result.drive if isinstance(result, DriveResult) else result.trip
         self._asked.get(result.bot, {}).pop((type(result), number), None)
-        self._ended(result)
+        self._ended(result, True)

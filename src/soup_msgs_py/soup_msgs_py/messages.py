@@ -359,12 +359,22 @@ class CancelTrip:
 
 @message
 class DriveGoal:
-    """Ask a bot to drive through points and stop at the last; `stamps` as in `FollowPath`."""
+    """Ask a bot to drive through points and stop at the last.
+
+    Attributes:
+        bot: Whom.
+        drive: Number of the drive, chosen by who asks.
+        points: Where to (m).
+        stamps: As in `FollowPath`.
+        bucket: What it must carry, -1 for nothing, None for whatever it does: a way that was planned for a bot without
+            a bucket may lead below others.
+    """
 
     bot: int
     drive: int
     points: tuple[Point, ...]
     stamps: tuple[float, ...] = ()
+    bucket: int | None = None
 
 
 @message
@@ -526,6 +536,13 @@ class Heard:
     reacts: frozenset[EventType] = frozenset()
     bots: frozenset[int] = frozenset()
     leaves: bool = False
+
+
+@message
+class BotGone:
+    """Nobody has the mind of a bot any more; what it was asked for ends by itself."""
+
+    bot: int
 
 
 @message

@@ -32,6 +32,7 @@ from soup_msgs_py.layout import Floats, Layout
 from soup_msgs_py.messages import (
     DELIVER,
     STORE,
+    BotGone,
     Bots,
     BotStatus,
     Bound,
@@ -124,6 +125,7 @@ class CoordinatedFleet(Manager):
             StoreGoal: self._handle_goal,
             CancelTask: self._handle_cancel,
             BotStatus: self._handle_status,
+            BotGone: self._handle_gone,
             TripResult: self._handle_result,
             DriveResult: self._handle_result,
             Bots: self._handle_bots,
@@ -283,6 +285,15 @@ class CoordinatedFleet(Manager):
             return self._enter(now)
         return []
 
+    def _handle_gone(self, gone: BotGone, now: float) -> list[Message]:
+        """A bot that stands has nobody who could say so; one that was asked for something fails that anyway."""
+        robot = self.situation.robots[gone.bot]
+        self._watch.gone(gone.bot)
+        if robot.activity is not Activity.STANDS:
+            return []
+        self._failed(robot, Code.STOPPED, f"nobody answers for bot {gone.bot}", True, now)
+        return self._act(now)
+
     def _enter(self, now: float) -> list[Message]:
         """Enter the bots that have told that they stand, and were seen since: where they were before, they drove."""
         seen = [bot for bot, status in self._told.items() if status.time <= self.view.seen_at]
@@ -312,6 +323,7 @@ class CoordinatedFleet(Manager):
             if self._watch.unplaced:
                 for robot in self._watch.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
                     self._stands_dead(robot, now)
+            if self._told:
                 return self._enter(now)
         return []
 
@@ -543,7 +555,7 @@ class CoordinatedFleet(Manager):
         robot.order = self._orders
         robot.blocked_since = NEVER
         self._watch.asked(robot, now, leg.depart, self.lead_s)
-        self._said.append(DriveGoal(robot.number, robot.order, leg.points, leg.stamps))
+        self._said.append(DriveGoal(robot.number, robot.order, leg.points, leg.stamps, robot.bucket))
         return True
 
     def _arrived(self, robot: Robot, now: float) -> None:

@@ -95,6 +95,10 @@ class Watch:
         if self._idle_at.get(robot.number, NEVER) <= robot.asked_at:
             del self._idle_at[robot.number]
 
+    def gone(self, bot: int) -> None:
+        """Nobody answers for a bot until it speaks again."""
+        self._idle_at.pop(bot, None)
+
     def found(self, now: float, seen_at: float) -> list[Robot]:
         """Lost bots that can be used again, as places of all bots were seen at `seen_at`; they are lost no more."""
         if not self.lost:

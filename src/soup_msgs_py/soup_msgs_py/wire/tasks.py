@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -46,6 +47,7 @@ from soup_msgs_py.wire.basics import (
 
 DRIVE, CANCEL_DRIVE, TRIP, CANCEL_TRIP = "drive", "cancel_drive", "trip", "cancel_trip"  # verbs of orders
 MOST_ORDERS = 1 << 40  # numbers of orders are below this
+ANY_LOAD = -2  # an order to drive with whatever a bot carries
 
 
 @to_ros.register
@@ -106,6 +108,7 @@ def to_order(asked: DriveGoal | CancelDrive | TripGoal | CancelTrip, run: int) -
                 number=asked.drive,
                 points=to_points(asked.points),
                 stamps=list(asked.stamps),
+                bucket=ANY_LOAD if asked.bucket is None else asked.bucket,
             )
         case CancelDrive():
             return msg.Order(bot=asked.bot, run=run, verb=CANCEL_DRIVE, number=asked.drive)
@@ -122,7 +125,8 @@ def _(order: msg.Order) -> DriveGoal | CancelDrive | TripGoal | CancelTrip:
         raise MalformedMessage(f"order {number}")
     match order.verb:
         case verb if verb == DRIVE:
-            return drive_goal(order, bot, number)
+            goal = drive_goal(order, bot, number)
+            return goal if order.bucket == ANY_LOAD else replace(goal, bucket=order.bucket)
         case verb if verb == CANCEL_DRIVE:
             return CancelDrive(bot, number)
         case verb if verb == TRIP:
