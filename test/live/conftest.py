@@ -18,7 +18,6 @@ from pathlib import Path
 import pytest
 
 import _environment
-from soup_msgs_py.live.shared_memory import ports_of, remove_unused, used_by
 
 SCRIPTS = _environment.ROOT / "scripts"
 MARK = "SOUP_TEST"  # environment variable by which a test knows its processes, grandchildren included
@@ -28,10 +27,7 @@ ENDS_S = 3.0  # what is promised; the tests grant what a busy machine takes on t
 
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    """A ROS domain that no other test of this machine has, in this process and all that it starts.
-
-    What killed processes left of it in shared memory is removed before and after: it would be in the way of others.
-    """
+    """A ROS domain that no other test of this machine has, in this process and all that it starts."""
     for number in range(20, 100):  # higher ones use ports that outgoing connections may have
         with open(Path(tempfile.gettempdir()) / f"soup-test-domain-{number}", "w") as lock:
             try:
@@ -39,19 +35,9 @@ def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
             except BlockingIOError:
                 continue
             monkeypatch.setenv("ROS_DOMAIN_ID", str(number))
-            remove_ports(number)
             yield str(number)
-            remove_ports(number)
             return
     pytest.fail("no free ROS domain")
-
-
-def remove_ports(domain: int) -> None:
-    """Remove what is in shared memory for the ports of a domain."""
-    for file in Path("/dev/shm").glob("*fastrtps_port*"):
-        place = re.fullmatch(r"(?:sem\.)?fastrtps_port(\d+)(?:_\w+)?", file.name)
-        if place is not None and int(place[1]) in ports_of(domain):
-            file.unlink(missing_ok=True)
 
 
 class Parts:
@@ -61,7 +47,6 @@ class Parts:
         self.folder = folder
         self.mark = uuid.uuid4().hex
         self._started: list[subprocess.Popen[str]] = []
-        self._memory: set[Path] = set()
 
     def start(self, script: str, *arguments: str) -> subprocess.Popen[str]:
         """Start a program of `scripts/`, away from any terminal."""
@@ -121,35 +106,21 @@ class Parts:
             time.sleep(0.05)
         return not self.alive()
 
-    def shared_memory(self) -> set[Path]:
-        """The files in /dev/shm that the processes of the test alone have open: segments, ports of their domain."""
-        own_ports = ports_of(int(os.environ["ROS_DOMAIN_ID"]))
-        files = set()
-        for file in {file for number in self.alive() for file in used_by(number)}:
-            port = re.fullmatch(r"fastrtps_port(\d+)", file.name)
-            if port is None or int(port[1]) in own_ports:
-                files.add(file)
-        self._memory |= files
-        return files
-
-    def litter(self, files: set[Path]) -> dict[str, list[str]]:
-        """Those of some files that are still there, each with the processes that use it.
-
-        Without what this process itself still uses: a test's own node lets go of the others' ports when it likes.
-        """
-        left = {file for file in files - used_by("self") if file.exists()}
-        numbers = [entry.name for entry in Path("/proc").iterdir() if entry.name.isdecimal()]
-        return {file.name: [number for number in numbers if file in used_by(number)] for file in left}
+    def shared_memory(self) -> set[str]:
+        """The files of DDS in /dev/shm that processes of the test use: who is killed would leave them behind."""
+        used = set()
+        for number in self.alive():
+            with contextlib.suppress(OSError):
+                used |= set(re.findall(r"/dev/shm/\S*fastrtps\S*", Path(f"/proc/{number}/maps").read_text()))
+        return used
 
     def close(self) -> None:
-        """Kill what is left, and remove what killed processes leave in shared memory."""
-        self.shared_memory()
+        """Kill what is left."""
         for number in self.alive():
             with contextlib.suppress(ProcessLookupError):
                 os.kill(number, signal.SIGKILL)
         for process in self._started:
             process.communicate()
-        remove_unused(self._memory)
 
 
 @pytest.fixture

@@ -45,7 +45,6 @@ def test_a_manager_takes_over_at_once_and_another_stands_by_until_it_is_killed(p
         third = parts.start("run_fleet_manager.py")
         standby = "fleet manager (stands by)"
         person.wait(lambda: "follows minimal" in reports.value(standby, "says"), "the third stands by")
-        parts.shared_memory()
         second.kill()
         person.wait(lambda: reports.value("fleet manager", "policy") == "coordinated", "the third has taken over")
         person.wait(lambda: reports.value("fleet manager", "says") == "at work", "the third is at work")

@@ -65,13 +65,12 @@ def test_parts_started_by_hand_in_any_order_assemble_words_and_each_ends_at_once
             "a word is completed",
         )
         assert newest["/world/statistics"].violations == 0
-    memory = parts.shared_memory()
+    assert parts.shared_memory() == set()
     for name, process in started.items():
         parts.interrupt(process)
         assert process.returncode == 0, name
     assert json.loads((parts.folder / "out.json").read_text())["violations"] == 0
     assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
-    assert parts.litter(memory) == {}
 
 
 def test_a_part_without_a_world_says_once_what_it_waits_for(parts: Parts):
@@ -103,13 +102,12 @@ def test_the_warehouse_ends_with_ctrl_c_and_leaves_nothing(parts: Parts, prose: 
         "--event-log", "events.jsonl",
     )  # fmt: skip
     wait_for_time(parts)
-    memory = parts.shared_memory()
+    assert parts.shared_memory() == set()
     parts.interrupt(warehouse)
     assert warehouse.returncode == 0
     assert parts.all_gone()  # the process that the parts are forked from ends after the starter
     assert json.loads((parts.folder / "out.json").read_text())["sim_seconds"] > 0
     assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
-    assert parts.litter(memory) == {}
 
 
 def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Parts, prose: str):
@@ -132,7 +130,6 @@ def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Part
         person.node.create_subscription(DiagnosticArray, "/diagnostics", note, 10)
         person.wait(lambda: letters() > 0, "letters move")
         for name in ("fleet manager", "bots 0-11", "world"):
-            parts.shared_memory()  # what a killed process leaves is removed after the test
             before = pids.pop(name)
             os.kill(before, signal.SIGKILL)
             person.wait(lambda name=name, before=before: pids.get(name, before) != before, f"{name} is back")
@@ -140,7 +137,6 @@ def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Part
             person.wait(lambda: letters() > 0, "the world speaks")
             moved = letters()
             person.wait(lambda moved=moved: letters() > moved, f"letters move after {name} was killed")
-    parts.shared_memory()
     warehouse.send_signal(signal.SIGINT)
     out, err = warehouse.communicate(timeout=PATIENCE_S)
     assert warehouse.returncode == 0, err
@@ -155,7 +151,6 @@ def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Part
 def test_no_part_outlives_a_starter_that_was_killed(parts: Parts):
     warehouse = parts.start("run_warehouse.py", "--no-dashboard")
     wait_for_time(parts)
-    parts.shared_memory()
     warehouse.kill()
     warehouse.communicate()
     wait_until(lambda: not parts.alive(), "all parts have ended")

@@ -52,5 +52,5 @@ def become(name: str, module: str, arguments: tuple[str, ...], errors: Path, env
     except BaseException:
         traceback.print_exc()
         status = 1
-    # a child of multiprocessing would leave without giving back what DDS has in shared memory
+    # a child of multiprocessing would leave without DDS's own end
     ctypes.pythonapi.Py_Exit(status or 0)

@@ -13,7 +13,6 @@ from pathlib import Path
 
 from soup_lab.part import become
 from soup_msgs_py.live.process import Lateness
-from soup_msgs_py.live.shared_memory import ports_here, remove_unused, used_by
 
 GRACE_S = 2.8  # to end in order; then killed. Parts give up by themselves before
 LOOK_S = 0.05
@@ -57,7 +56,6 @@ class Processes:
         self._folder = folder
         self._running: dict[str, tuple[ForkServerProcess, Path]] = {}
         self._started = 0
-        self._memory: set[Path] = set()  # files in shared memory that parts used
         load_ahead()
 
     def start(self, part: Part) -> None:
@@ -98,8 +96,6 @@ class Processes:
         """Ask parts to end (all without names), kill what does not; names of those that had to be killed."""
         chosen = list(self._running) if names is None else list(names)
         for name in chosen:
-            self._memory |= used_by(self.number(name))
-        for name in chosen:
             if self.status(name) is None:
                 os.kill(self.number(name), signal.SIGINT)
         late = {name: Lateness(self.number(name)) for name in chosen}
@@ -112,5 +108,4 @@ class Processes:
                 process.kill()
                 process.join()
                 killed.append(name)
-        remove_unused(self._memory | ports_here())
         return killed

@@ -9,7 +9,6 @@ from typing import Any
 
 from soup_msgs import msg
 
-from soup_lab.dead_ports import DeadPorts
 from soup_lab.processes import Part, Processes
 from soup_lab.restarts import Restarts
 from soup_msgs_py import topics
@@ -22,7 +21,6 @@ from soup_msgs_py.wire import to_ros
 
 WORLD = "world"
 LOOK_S = 0.1
-PORTS_S = 2.0  # wall time between two looks at the ports of all parts
 WRONG_INPUT = 2  # exit status of a part that would end in the same way again
 
 
@@ -50,9 +48,6 @@ class Supervisor:
         self._processes, self._tell = processes, tell
         self._parts = {part.name: part for part in parts}
         self._restarts = Restarts()
-        self._ports = DeadPorts()
-        live.every(PORTS_S, self._note_ports)
-        live.at_end(self._ports.close)
         self._heard = node.create_publisher(msg.Heard, topics.HEARD, EVERY_ONE)
         self._charges = node.create_publisher(msg.Charge, topics.BOTS_CHARGE, CHARGES)
         for part in parts:
@@ -66,12 +61,6 @@ class Supervisor:
     def _start(self, part: Part) -> None:
         self._restarts.started(part.name, time.monotonic())
         self._processes.start(part)
-
-    def _note_ports(self) -> None:
-        self._ports.look(time.monotonic())
-        for name in self._parts:
-            if self._processes.status(name) is None:
-                self._ports.note(self._processes.number(name))
 
     def _look(self) -> None:
         if self.over:
@@ -101,7 +90,6 @@ class Supervisor:
         pause = self._restarts.died(name, time.monotonic())
         if pause is None:
             raise RunError(f"{name} does not stay alive: {self._processes.last_words(name)}")
-        self._ports.hold(self._processes.number(name), time.monotonic())
         self._tell(f"{name} {self._processes.last_words(name)}; starts again in {pause:g} s")
         # the world is not to wait for somebody who is gone
         self._heard.publish(to_ros(Heard(name, 0, NEVER, leaves=True)))

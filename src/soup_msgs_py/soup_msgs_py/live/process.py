@@ -27,13 +27,11 @@ from rclpy.subscription import Subscription
 
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain_id import domain_id
-from soup_msgs_py.live.shared_memory import ports_here, remove_unused, used_by
 from soup_msgs_py.wire import MalformedMessage, from_ros
 
 LONGEST_WAIT_S = 0.1  # between two looks at the signals
 LONGEST_END_S = 2.5  # then the process ends without having taken leave; a busy machine gets more
 LONGEST_WALL = 4.0  # times as long, whatever the machine does meanwhile
-MEMORY_S = 5.0  # wall time between two looks at which shared memory is used
 STILL_S = 10.0  # a process that was stopped for so long has been given up by the others
 LEAVES = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -70,8 +68,6 @@ class Live:
         self._periodic: list[_Periodic] = []
         self._farewells: list[Callable[[], None]] = []
         self._handlers = {number: signal.signal(number, self._on_signal) for number in LEAVES}
-        self._memory: set[Path] = set()  # files in shared memory that were used
-        self.every(MEMORY_S, lambda: self._memory.update(used_by("self")))
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._executor = EventsExecutor()
 
@@ -210,10 +206,8 @@ class Live:
             self._executor.remove_node(node)
             node.destroy_node()
         self._executor.shutdown()
-        self._memory |= used_by("self")
         rclpy.try_shutdown()
         gone.set()
-        remove_unused(self._memory | ports_here())
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
 
