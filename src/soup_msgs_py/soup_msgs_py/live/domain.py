@@ -18,6 +18,8 @@ from soup_msgs_py.live.process import Live
 DISCOVERY_S = 1.5  # a participant announces itself to its neighbours several times in this time
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
+# by which a person says that others than this machine are meant, or how processes find each other
+OTHERS = (RANGE, PROFILES, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
 THIS_MACHINE = Path(__file__).parent / "this_machine.xml"
 MOST_LOCAL = 32  # participants that see each other with these profiles
@@ -30,7 +32,7 @@ def stay_on_this_machine(processes: int = 1, environment: MutableMapping[str, st
     set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET for all of them. Nobody shares memory: a process that is killed may hold
     what others wait for, and would leave files behind. Messages are as quick without.
     """
-    if processes < MOST_LOCAL - 4 and RANGE not in environment and PROFILES not in environment:
+    if processes < MOST_LOCAL - 4 and not any(environment.get(name) for name in OTHERS):
         environment[RANGE] = "SUBNET"
         environment[PROFILES] = str(THIS_MACHINE)
     environment.setdefault(TRANSPORTS, "UDPv4")
