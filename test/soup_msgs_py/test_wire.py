@@ -217,7 +217,7 @@ orders = st.integers(0, wire.MOST_ORDERS - 1)
     st.builds(m.CancelDrive, int32, orders)
     | st.builds(m.CancelTrip, int32, orders)
     | st.builds(
-        lambda bot, number, drive, load: m.DriveGoal(bot, number, *drive, load),
+        lambda bot, number, drive, load: replace(m.DriveGoal(bot, number, *drive), bucket=load),
         int32,
         orders,
         drives,
