@@ -272,6 +272,13 @@ def test_a_new_drive_replaces_the_old_one(mind):
     assert only(mind.handle(CancelDrive(3, 2), 2.0), DriveResult).code is Code.CANCELLED
 
 
+def test_who_ends_a_drive_that_a_bot_does_not_have_is_told_what_it_does(mind):
+    mind.handle(DriveGoal(3, 1, ((9.0, 9.0),)), 0.0)
+    status = only(mind.handle(CancelDrive(3, 0), 1.0), BotStatus)
+    assert (status.phase, status.time) == (Phase.DRIVING, 1.0)
+    assert mind.driving
+
+
 def test_a_velocity_by_hand_replaces_a_drive(mind):
     mind.handle(DriveGoal(3, 1, ((9.0, 9.0),)), 0.0)
     by_hand = SetVelocity(3, 1.0, 0.0)

@@ -89,6 +89,28 @@ def test_a_plan_is_carried_out_whoever_does_it(pause_s: float):
     assert isinstance(run.fleet, PlannedFleet) and run.fleet.is_done
 
 
+def test_a_bot_that_an_order_never_came_to_is_used_again():
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=12"])
+    run = Headless(warehouse.world(1), POLICIES, 1)
+    run.run(60.0)
+    handle, lost = run.crew.handle, set()
+
+    def forgetful(message: Message, now: float) -> list[Message]:
+        if isinstance(message, m.DriveGoal) and message.bot not in lost:
+            lost.add(message.bot)
+            return []
+        return handle(message, now)
+
+    run.crew.handle = forgetful
+    run.run(180.0)
+    assert lost
+    del run.crew.handle
+    run.run(200.0)
+    assert not run.fleet.stalled
+    figures = run.world.statistics()
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+
+
 def test_a_goal_that_came_before_its_word_was_opened_is_served_though_the_event_was_lost():
     world = load_warehouse(CONFIG / "scenarios" / "demo.yaml").world(1)
     view = WarehouseView(world.scenario, world.layout)

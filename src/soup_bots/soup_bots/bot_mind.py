@@ -123,7 +123,7 @@ class BotMind(Driver):
 
     def _on_cancel_drive(self, cancel: CancelDrive, now: float) -> list[Message]:
         if self._drive < 0 or self._drive != cancel.drive:
-            return []
+            return self._tell(now)  # whoever asks is wrong about this bot
         return [
             SetVelocity(self.bot, 0.0, 0.0),
             *self._end_drive(Code.CANCELLED, "cancelled"),

@@ -57,6 +57,8 @@ from soup_msgs_py.scenario import Scenario
 
 TICK_S = 1.0  # between two looks at all stations
 AT_ONCE = 10  # bots that may try again in that time
+ASK_S = 5.0  # between two questions to all lost bots that are silent
+NO_DRIVE = 0  # number of no drive: who is asked to end that one says what it does
 RETRY_S = 0.5  # before a way that could not be planned is tried again
 BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another one
 TRIES = 8  # alternatives that are tried at once
@@ -112,6 +114,7 @@ class CoordinatedFleet(Manager):
         self._line_of = {place: station for station, line in enumerate(self._traffic.lines) for place in line}
         self._settling = Settling()
         self._tick = NEVER
+        self._asks_at = 0.0
         self._brakes_s = scenario.bot.max_speed_mps / scenario.bot.max_acceleration_mps2
         self._halted: set[int] = set()  # bots that were told to stop on their way, and are not seen to stand yet
         self._said: list[Message] = []
@@ -176,6 +179,7 @@ class CoordinatedFleet(Manager):
         self._tick = now + TICK_S
         self._settle(now)
         self._find_again(now)
+        self._ask_silent(now)
         for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
             del self._waiting[robot.number]
             self._resume(robot, now)
@@ -522,6 +526,13 @@ class CoordinatedFleet(Manager):
             self._stands(robot, int(self.view.bot_bucket[robot.number]), now)
         if found:
             self._note_closed()
+
+    def _ask_silent(self, now: float) -> None:
+        """Ask lost bots what they do: what they were asked for may never have come to them."""
+        if now < self._asks_at:
+            return
+        self._asks_at = now + ASK_S
+        self._said += [CancelDrive(bot, NO_DRIVE) for bot in sorted(self._watch.silent)]
 
     def _note_place(self, robot: Robot) -> None:
         self.situation.robot_xy[robot.number] = self._layout.waypoints[robot.waypoint]

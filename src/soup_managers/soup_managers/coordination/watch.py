@@ -47,6 +47,11 @@ class Watch:
         """Whether the fleet has to see where bots stand."""
         return bool(self.unplaced) or (bool(self.lost) and any(bot in self._idle_at for bot in self.lost))
 
+    @property
+    def silent(self) -> set[int]:
+        """Lost bots that have not said yet that they are idle."""
+        return self.lost.keys() - self._idle_at.keys()
+
     # ---- what bots are asked for and say -----------------------------------------------------------------------
 
     def asked(self, robot: Robot, now: float, depart: float, lead_s: float) -> None:
