@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from soup_sim.contact import first_touch
+from soup_sim.contact import after, first_touch
 
 R = 2.0
 
@@ -60,3 +60,9 @@ def test_nothing_tunnels_at_any_speed(px, py, vx, vy, ax, ay) -> None:
     if when < math.inf:
         at = np.hypot(px + vx * when + 0.5 * ax * when**2, py + vy * when + 0.5 * ay * when**2)
         assert at == pytest.approx(R, abs=1e-6)
+
+
+@given(st.floats(0.0, 1e9), st.floats(0.0, 1e9))
+def test_a_search_goes_on_in_time_however_late_it_is(t: float, end: float) -> None:
+    assert after(t, end) > t
+    assert after(t, end) == end or end <= t + max(1e-12, 1e-15 * t)

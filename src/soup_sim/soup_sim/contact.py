@@ -12,6 +12,8 @@ from soup_msgs_py.kernel import kernel, maker
 from soup_sim.motion import piece_at
 
 TOUCH = 1e-9  # m2, on the squared distance: closer than this counts as touching
+_LEAST_S = 1e-12  # from one piece of motion to the next; after some hours the clock is coarser than that
+_LEAST = 2.3e-16  # of the time, a little more than the distance of two numbers
 
 
 @kernel
@@ -107,13 +109,19 @@ def first_touch(px, py, vx, vy, ax, ay, radii, h):
 
 
 @kernel
+def after(t, end):
+    """The end of a piece of motion, in any case later than t (s)."""
+    return max(end, t + max(_LEAST_S, t * _LEAST))
+
+
+@kernel
 def contact_with_bot(state, segments, count, i, j, t0, t1, radii):
     """The first time in [t0, t1] at which bots i and j come into contact at a distance of `radii`; else infinity."""
     t = t0
     while t < t1:
         xi, yi, vxi, vyi, axi, ayi, _, _, end_i = piece_at(state, segments, count, i, t)
         xj, yj, vxj, vyj, axj, ayj, _, _, end_j = piece_at(state, segments, count, j, t)
-        end = max(min(end_i, end_j, t1), t + 1e-12)
+        end = after(t, min(end_i, end_j, t1))
         s = first_touch(xj - xi, yj - yi, vxj - vxi, vyj - vyi, axj - axi, ayj - ayi, radii, end - t)
         if s < np.inf:
             return t + s
@@ -127,7 +135,7 @@ def contact_with_point(state, segments, count, i, x, y, t0, t1, radii):
     t = t0
     while t < t1:
         xi, yi, vxi, vyi, axi, ayi, _, _, end_i = piece_at(state, segments, count, i, t)
-        end = max(min(end_i, t1), t + 1e-12)
+        end = after(t, min(end_i, t1))
         s = first_touch(x - xi, y - yi, -vxi, -vyi, -axi, -ayi, radii, end - t)
         if s < np.inf:
             return t + s
