@@ -21,7 +21,7 @@ class Departures:
         """Begin with nobody under way.
 
         Args:
-            together: The bots of the process that has a bot: where one does not answer, nobody does.
+            together: The bots of the process that has a bot, itself included: where one does not answer, nobody does.
         """
         self._together = together
         self._asked: dict[int, tuple[float, float]] = {}  # bot -> departure (simulated s), when it was asked (wall s)
@@ -38,11 +38,10 @@ class Departures:
         self._asked.pop(bot, None)
         if bot in self._silent:
             self._silent.difference_update(self._together(bot))
-            self._silent.discard(bot)
 
     def give_up(self, bot: int) -> None:
         """A bot does not answer: nobody waits for it and for the others of its process."""
-        for mate in (bot, *self._together(bot)):
+        for mate in self._together(bot):
             self._silent.add(mate)
             self._asked.pop(mate, None)
 
