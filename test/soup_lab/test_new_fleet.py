@@ -74,6 +74,22 @@ def test_nobody_collides_and_words_go_on(seed: int, pause_s: float):
     assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_nobody_runs_into_those_whom_somebody_else_has_stopped_on_their_way(seed: int):
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=40"])
+    run = Headless(warehouse.world(seed), POLICIES, seed)
+    for k in range(1, 13):
+        run.run(20.0 * k)
+        for bot, mind in run.crew.minds.items():
+            run._say(run.crew, run.crew.handle(m.CancelDrive(bot, mind._drive), run.world.now))
+        run._carry()
+    run.run(400.0)
+    figures = run.world.statistics()
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+    assert figures["words_completed"] > 0
+    assert not run.fleet.stalled
+
+
 @pytest.mark.parametrize("pause_s", [0.0, 5.0])
 def test_a_plan_is_carried_out_whoever_does_it(pause_s: float):
     warehouse = load_warehouse(CONFIG / "worlds" / "medium1.txt")

@@ -27,32 +27,41 @@ def test_time_stops_at_the_first_departure_that_nobody_has_confirmed(asked: dict
     for bot in confirmed:
         departures.confirm(bot)
     open_ = [depart for bot, depart in asked.items() if bot not in confirmed]
-    assert departures.earliest(0.0) == min(open_, default=NEVER)
+    assert departures.earliest(0.0, 0.0) == min(open_, default=NEVER)
 
 
 def test_a_newer_drive_of_a_bot_takes_the_place_of_the_older_one():
     departures = Departures(alone)
     departures.ask(_drive(3, 10.0), 0.0)
     departures.ask(_drive(3, 12.0), 0.0)
-    assert departures.earliest(0.0) == 12.0
+    assert departures.earliest(0.0, 0.0) == 12.0
     departures.ask(_drive(3), 0.0)
-    assert departures.earliest(0.0) == NEVER
+    assert departures.earliest(0.0, 0.0) == NEVER
 
 
 def test_a_silent_bot_is_waited_for_no_longer_than_patience_lasts():
     departures = Departures(alone)
     departures.ask(_drive(3, 10.0), 100.0)
     departures.ask(_drive(4, 11.0), 101.0)
-    assert departures.earliest(100.0 + PATIENCE_S) == 10.0
-    assert departures.earliest(100.5 + PATIENCE_S) == 11.0
-    assert departures.earliest(101.5 + PATIENCE_S) == NEVER
+    assert departures.earliest(100.0 + PATIENCE_S, 0.0) == 10.0
+    assert departures.earliest(100.5 + PATIENCE_S, 0.0) == 11.0
+    assert departures.earliest(101.5 + PATIENCE_S, 0.0) == NEVER
+
+
+def test_what_has_been_overtaken_is_waited_for_no_more():
+    departures = Departures(alone)
+    departures.ask(_drive(3, 10.0), 0.0)
+    departures.ask(_drive(4, 12.0), 0.0)
+    assert departures.earliest(0.0, 10.0) == 10.0
+    assert departures.earliest(0.0, 10.1) == 12.0
+    assert departures.earliest(0.0, 15.0) == NEVER
 
 
 def test_another_world_is_not_held_by_the_drives_of_the_last_one():
     departures = Departures(alone)
     departures.ask(_drive(3, 10.0), 0.0)
     departures.clear()
-    assert departures.earliest(0.0) == NEVER
+    assert departures.earliest(0.0, 0.0) == NEVER
 
 
 def test_where_one_bot_does_not_answer_nobody_of_its_process_is_waited_for_until_one_does():
@@ -60,9 +69,9 @@ def test_where_one_bot_does_not_answer_nobody_of_its_process_is_waited_for_until
     departures.ask(_drive(3, 10.0), 0.0)
     departures.ask(_drive(4, 11.0), PATIENCE_S)
     departures.ask(_drive(5, 12.0), PATIENCE_S)
-    assert departures.earliest(PATIENCE_S + 0.5) == 12.0
+    assert departures.earliest(PATIENCE_S + 0.5, 0.0) == 12.0
     departures.ask(_drive(4, 11.5), PATIENCE_S + 0.5)
-    assert departures.earliest(PATIENCE_S + 0.5) == 12.0
+    assert departures.earliest(PATIENCE_S + 0.5, 0.0) == 12.0
     departures.confirm(4)
     departures.ask(_drive(3, 11.0), PATIENCE_S + 1.0)
-    assert departures.earliest(PATIENCE_S + 1.0) == 11.0
+    assert departures.earliest(PATIENCE_S + 1.0, 0.0) == 11.0

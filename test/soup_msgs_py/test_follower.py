@@ -75,7 +75,7 @@ class Part:
         self.wires = wires = Wires()
         live: Any = wires
         self.follower = Follower(
-            live, live, live, lambda _: Mind(), lambda _: None, lambda: "", holds=lambda: self.hold
+            live, live, live, lambda _: Mind(), lambda _: None, lambda: "", holds=lambda _: self.hold
         )
         world = load_warehouse(CONFIG / "scenarios/demo.yaml", []).world(1, run=1)
         profile = tuple(map(float, world.tile_profile))

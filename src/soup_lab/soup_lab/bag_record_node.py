@@ -31,7 +31,7 @@ from soup_msgs_py.live.raw import RawSubscription
 from soup_msgs_py.live.report import Report
 from soup_msgs_py.qos import EVERY_ONE
 
-NAME = "bag recorder"
+NAME, NODE = "bag recorder", "bag_recorder"
 # Topics on which things happen as soon as a warehouse begins, and of which a bag should lack nothing: listening before
 # there is anybody to speak is the only way to hear the first word.
 FROM_THE_FIRST = {
@@ -81,7 +81,7 @@ class Recorder:
             limits: When to begin a new file, and when to stop.
         """
         self._live, self._writer, self._wanted, self._limits = live, writer, wanted, limits
-        self._node = live.node("bag_recorder")
+        self._node = live.node(NODE)
         self._report = Report(live, self._node)
         self._definitions = Definitions()
         self._streams: dict[str, Stream] = {topic.name: Stream(k, topic) for k, topic in enumerate(writer.topics)}

@@ -21,6 +21,9 @@ from std_srvs.srv import SetBool
 
 from soup_lab.bag_pace import ReplayPace
 from soup_lab.bag_reader import Bag, Recorded, open_bag
+from soup_lab.bag_record_node import COMPLETE
+from soup_lab.bag_record_node import NAME as RECORDER
+from soup_lab.bag_record_node import NODE as RECORDER_NODE
 from soup_lab.bag_types import UnknownType, message_class
 from soup_lab.progress import PLAIN_S, ProgressLine
 from soup_msgs_py import arguments as args
@@ -29,6 +32,7 @@ from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.live.domain import only_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
+from soup_msgs_py.live.report import PartsWatch
 from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.wire import fill_result
 
@@ -38,7 +42,7 @@ TELL_S = 0.5
 DEPTH = 1000
 LATENESS_KEPT = 10_000  # messages
 FAREWELL_S = 1.0  # wall time for everybody to get the last messages
-FOUND_S, SETTLED_S = 3.0, 0.5  # wall time to find those who listen; for which nobody new was found
+FOUND_S, SETTLED_S = 15.0, 0.5  # wall time to find those who listen; for which nobody new was found
 
 
 class Replay:
@@ -292,7 +296,7 @@ def replay(options: argparse.Namespace) -> None:
             node = live.node("replay")
             with only_world(live, node):
                 work = Replay(live, node, bag, kinds, options)
-                find_listeners(live, work)
+                find_listeners(live, node, work)
                 line = ProgressLine(console, "looks for listeners", PLAIN_S)
                 live.every(TELL_S, lambda: line.tell(told(work)) if line.due else None)
                 work.begin()
@@ -310,17 +314,24 @@ def _class_of(bag: Bag, name: str) -> type:
         raise InputError(bag.folder, name, str(error), "a type that is installed (or --topics without it)") from error
 
 
-def find_listeners(live: Live, work: Replay) -> None:
-    """Wait until whoever listens has been found, so that the first messages reach everybody."""
-    since = time.monotonic()
-    before = -1
+def find_listeners(live: Live, node: Node, work: Replay) -> None:
+    """Wait until whoever listens has been found, so that the first messages reach everybody.
+
+    That a publisher knows of a subscription does not say that the subscription knows of it, too. A recorder, which is
+    to lack nothing, says so itself.
+    """
+    watch = PartsWatch(live, node)
+    since, before = time.time(), -1
 
     def settled() -> bool:
         nonlocal since, before
-        now, found = time.monotonic(), work.found()
+        now, found = time.time(), work.found()
         if found != before:
             since, before = now, found
-        return now - since > SETTLED_S
+        if now - since <= SETTLED_S:
+            return False
+        complete = float(watch.at_work.get(RECORDER, {}).get(COMPLETE, "0"))
+        return RECORDER_NODE not in node.get_node_names() or complete > since + SETTLED_S
 
     live.spin(settled, FOUND_S)
 

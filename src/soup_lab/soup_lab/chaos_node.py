@@ -219,6 +219,7 @@ def main(argv: Sequence[str] | None = None, *, scripts: Path) -> int:
     parser.add_argument("--scenario", type=Path, metavar="FILE")
     parser.add_argument("--policies", type=Path, metavar="FILE")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override one scenario value")
+    parser.add_argument("--event-log", type=Path, metavar="FILE", help="what happens in the warehouse, to look into it")
     args.add_speed(parser)
     options = parser.parse_args(argv)
     return exit_status(lambda: run(options, scripts))
@@ -234,9 +235,9 @@ def run(options: argparse.Namespace, scripts: Path) -> int:
     command = [sys.executable, str(scripts / "run_warehouse.py"), "--no-dashboard", "--seed", str(options.seed)]
     command += ["--bot-processes", str(QUARTERS), "--speed", str(options.speed).replace("inf", "max")]
     command += [f"--set={override}" for override in options.set]
-    for name in ("scenario", "policies"):
+    for name in ("scenario", "policies", "event_log"):
         if getattr(options, name) is not None:
-            command += [f"--{name}", str(getattr(options, name))]
+            command += [f"--{name.replace('_', '-')}", str(getattr(options, name))]
     stay_on_this_machine(QUARTERS + 8)
     with tempfile.TemporaryDirectory() as folder, Live("chaos") as live:
         summary = Path(folder) / "summary.json"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from soup_msgs_py.messages import DriveGoal
 from soup_msgs_py.mind import NEVER
 
+SAME_S = 1e-6  # simulated: times on the wire are whole nanoseconds
 PATIENCE_S = 3.0  # wall time for which a bot that says nothing is waited for: its drive will be refused as late
 
 
@@ -49,8 +50,12 @@ class Departures:
         """Another world has begun."""
         self._asked.clear()
 
-    def earliest(self, wall: float) -> float:
-        """The simulated time (s) that must not be overtaken yet; infinity for none."""
+    def earliest(self, wall: float, now: float) -> float:
+        """The simulated time (s) that must not be overtaken yet; infinity for none.
+
+        What departs before `now` has been overtaken. Were that waited for, a fleet that the world has given up once,
+        because it thought for too long, would never come back: its drives would be late, and so be waited for.
+        """
         for bot in [bot for bot, (_, asked) in self._asked.items() if wall - asked > PATIENCE_S]:
             self.give_up(bot)
-        return min((depart for depart, _ in self._asked.values()), default=NEVER)
+        return min((depart for depart, _ in self._asked.values() if depart >= now - SAME_S), default=NEVER)

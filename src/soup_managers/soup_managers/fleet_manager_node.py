@@ -105,7 +105,7 @@ class FleetManagerNode:
         self._charge = InCharge(live, node, self._report, choice.name, take_over=take_over, begin=self._begin)
         self._follower = Follower(
             live, node, self._report, self._make_mind, self._carry, lambda: self._charge.missing,
-            holds=lambda: self._departures.earliest(time.monotonic()), prepare=self._set_lead,
+            holds=lambda now: self._departures.earliest(time.monotonic(), now), prepare=self._set_lead,
         )  # fmt: skip
         live.follow(node, msg.Charge, topics.BOTS_CHARGE, self._on_bots_charge, CHARGES)
         live.subscribe(node, msg.Bots, topics.BOTS, self._on_poses, DISPLAY, raw=True)

@@ -59,6 +59,7 @@ TICK_S = 1.0  # between two looks at all stations
 AT_ONCE = 10  # bots that may try again in that time
 ASK_S = 5.0  # between two questions to all lost bots that are silent
 NO_DRIVE = 0  # number of no drive: who is asked to end that one says what it does
+LOOKS = 40_000  # at one instant; then ways are looked for in a hurry, and after twice as many no more
 RETRY_S = 0.5  # before a way that could not be planned is tried again
 BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another one
 TRIES = 8  # alternatives that are tried at once
@@ -120,6 +121,7 @@ class CoordinatedFleet(Manager):
         self._said: list[Message] = []
         self._undecided: list[Robot] = []
         self._moved_lines: set[int] = set()
+        self._looks_at, self._looks_before = -1.0, 0  # when ways were looked for last, and how many looks before then
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
         self._tell_bound = False
         self._changed: dict[tuple[str, int], Job] = {}
@@ -399,7 +401,7 @@ class CoordinatedFleet(Manager):
         if away <= self._scenario.bot.tolerance_m:
             self._arrived(robot, now)
         else:
-            self._failed(robot, Code.STOPPED, "stopped on its way", True, now)
+            self._failed(robot, Code.CANCELLED, "stopped on its way", True, now)
 
     def _adopt_trip(self, robot: Robot, trip: Trip, bucket: int, now: float) -> None:
         """A bot lifts, sets down or serves, and will tell how that ended."""
@@ -468,7 +470,8 @@ class CoordinatedFleet(Manager):
         began = self._watch.ended(robot)
         if not began:
             self._said.append(CancelDrive(robot.number, robot.order))
-        self._failed(robot, Code.STOPPED, f"bot {robot.number} does not answer", began, now)
+        why = f"bot {robot.number} does not answer"
+        self._failed(robot, Code.CANCELLED if began else Code.STOPPED, why, began, now)
 
     def _failed(self, robot: Robot, code: Code, why: str, began: bool, now: float) -> None:
         """What a bot was asked for went wrong: it is left alone until it is seen where it stands.
@@ -481,6 +484,11 @@ class CoordinatedFleet(Manager):
             self._stop_others(robot, now)
             robot.arrives = now
         elif not gone:
+            if drove and robot.number not in self._halted:
+                # it has stopped near where it was then: nobody must be sent there
+                stopped = self._watch.idle_since(robot.number, now)
+                self._traffic.halt(robot.number, stopped - 2.0 * self.lead_s, 2.0 * self.lead_s)
+                self._stop_others(robot, now)
             robot.arrives = now
         if gone:
             self._watch.forget_idle(robot)
@@ -547,13 +555,16 @@ class CoordinatedFleet(Manager):
         if not self._settling.over:
             return False
         loaded = robot.bucket >= 0
+        looks = self._looks(now)
+        if looks > 2 * LOOKS:
+            return False
         leg = self._traffic.plan(
             robot.number,
             goal,
             now + self.lead_s,
             loaded=loaded,
             blocked_spots=self._places.occupied,
-            hurried=hurried,
+            hurried=hurried or looks > LOOKS,
         )
         if leg is None:
             return False
@@ -568,6 +579,16 @@ class CoordinatedFleet(Manager):
         self._watch.asked(robot, now, leg.depart, self.lead_s)
         self._said.append(DriveGoal(robot.number, robot.order, leg.points, leg.stamps, robot.bucket))
         return True
+
+    def _looks(self, now: float) -> int:
+        """How much has been looked for ways at this instant.
+
+        Where many stand in each other's way, after a stop of all for instance, each way takes long to find. The world
+        waits for the fleet meanwhile, and would give it up.
+        """
+        if self._looks_at != now:
+            self._looks_at, self._looks_before = now, self._traffic.looked
+        return self._traffic.looked - self._looks_before
 
     def _arrived(self, robot: Robot, now: float) -> None:
         robot.activity = Activity.STANDS

@@ -10,7 +10,8 @@ from soup_msgs_py.messages import BotStatus
 from soup_msgs_py.mind import NEVER
 
 HEARD_S = 0.01  # after its departure at the latest, a bot must have said that it drives
-ANSWER_S = 0.5  # beyond what messages take: so long a bot may think before it says so
+ANSWER_S = 0.5  # so long it may think before it says so
+ANSWER_LEADS = 10.0  # and so many times as long as a message usually takes, on a machine that is busy just then
 RESULT_LATE_S = 1.0  # after a bot has said that it is idle, the result of what it did is waited for so long
 SILENT_S = 10.0  # a bot that has never said anything and has stood for so long is taken for dead
 STRANGE_S = 30.0  # the same for one that works for somebody else
@@ -52,13 +53,17 @@ class Watch:
         """Lost bots that have not said yet that they are idle."""
         return self.lost.keys() - self._idle_at.keys()
 
+    def idle_since(self, bot: int, now: float) -> float:
+        """When a bot said that it stands idle, if that was its newest status; else now (s)."""
+        return min(self._idle_at.get(bot, now), now)
+
     # ---- what bots are asked for and say -----------------------------------------------------------------------
 
     def asked(self, robot: Robot, now: float, depart: float, lead_s: float) -> None:
         """A bot was asked to drive."""
         robot.asked_at = now
         self._doubted.pop(robot.number, None)
-        self._unheard[robot.number] = min(depart, now + lead_s + ANSWER_S) + HEARD_S
+        self._unheard[robot.number] = min(depart, now + ANSWER_LEADS * lead_s + ANSWER_S) + HEARD_S
 
     def heard(self, status: BotStatus, now: float) -> None:
         """A bot said what it does."""

@@ -46,6 +46,7 @@ class Desk(NamedTuple):
         leaves: When it departs.
         arrives: When it arrives.
         way: Edges of a way.
+        looked: How many labels searches have looked at since that was set to 0, shape (1,).
     """
 
     round: Ints
@@ -75,6 +76,7 @@ class Desk(NamedTuple):
     leaves: Floats
     arrives: Floats
     way: Ints
+    looked: Ints
 
 
 def make_desk(roads: Roads, capacity: int) -> Desk:
@@ -113,4 +115,5 @@ def make_desk(roads: Roads, capacity: int) -> Desk:
         leaves=np.zeros(waypoints + 1),
         arrives=np.zeros(waypoints + 1),
         way=ints(edges),
+        looked=ints(1),
     )

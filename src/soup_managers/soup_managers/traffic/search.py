@@ -199,6 +199,7 @@ def search(
         if key > stood + extra + rest[v] + SAME_S:
             continue
         most -= 1
+        desk.looked[0] += 1
         _, gap_end, _ = gap_after(table, v, stood, bot)
         latest = depart_by if label == root else np.inf
         for edge in range(roads.out[v], roads.out[v + 1]):

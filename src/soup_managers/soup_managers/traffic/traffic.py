@@ -76,6 +76,7 @@ class Traffic:
     Attributes:
         lines: Waypoints of each station's line, its dock first; bots come in from the end.
         deep: Whether bots pass through storage spots, because some can only be reached through others.
+        looked: Labels that searches have looked at so far: what plans have cost.
     """
 
     def __init__(self, scenario: Scenario, layout: Layout) -> None:
@@ -93,6 +94,7 @@ class Traffic:
         self._stands: dict[int, _Stand] = {}  # where each bot stands after all that is planned for it
         self._legs: dict[int, list[tuple[Leg, _Stand]]] = {}  # what is planned for it, and where it stood before
         self._past = -math.inf
+        self.looked = 0
 
     # ---- who stands where ------------------------------------------------------------------------------------
 
@@ -389,26 +391,40 @@ class Traffic:
         """The label at the goal of the way on the desk, -1 for none; and when a bot could be there at best."""
         if edges == 0:
             return -1, ready
-        stand, desk = self._stands[bot], self._desk
+        desk = self._desk
         rest_of_way(self._roads, desk, edges)
-        label = search(
-            self._roads, self._table, desk, bot, stand.waypoint, goal, ready, stand.heading, desk.rest, True,
-            self.deep, blocked, depart_by, math.inf, _LABELS_ON_WAY,
-        )  # fmt: skip
-        return label, max(ready + float(desk.rest[stand.waypoint]), goal_free)
+        label = self._search(bot, goal, ready, desk.rest, True, blocked, depart_by, math.inf, _LABELS_ON_WAY)
+        return label, max(ready + float(desk.rest[self._stands[bot].waypoint]), goal_free)
 
     def _on_any_way(
         self, bot: int, goal: int, ready: float, blocked: Mask, depart_by: float, worst: float, hurried: bool
     ) -> int:
-        stand = self._stands[bot]
         times = self._routes.to(goal)[0]
-        if times[stand.waypoint] == math.inf:
+        if times[self._stands[bot].waypoint] == math.inf:
             return -1
         most = _LABELS_FOR_ANY if worst == math.inf and not hurried else _LABELS_FOR_BETTER
-        return search(
-            self._roads, self._table, self._desk, bot, stand.waypoint, goal, ready, stand.heading, times, False,
+        return self._search(bot, goal, ready, times, False, blocked, depart_by, worst, most)
+
+    def _search(
+        self,
+        bot: int,
+        goal: int,
+        ready: float,
+        rest: Floats,
+        marked_only: bool,
+        blocked: Mask,
+        depart_by: float,
+        worst: float,
+        most: int,
+    ) -> int:
+        stand, desk = self._stands[bot], self._desk
+        label = search(
+            self._roads, self._table, desk, bot, stand.waypoint, goal, ready, stand.heading, rest, marked_only,
             self.deep, blocked, depart_by, worst, most,
         )  # fmt: skip
+        self.looked += int(desk.looked[0])
+        desk.looked[0] = 0
+        return label
 
     def _book(self, bot: int, label: int, ready: float, depart_by: float) -> Leg | None:
         """Write what leads to a label into the timetable; None where that has only just been made large enough."""

@@ -49,7 +49,7 @@ class Follower:
         missing: Callable[[], str],
         concerns: Callable[[Event], bool] | None = None,
         looks: Callable[[], float] = lambda: NEVER,
-        holds: Callable[[], float] = lambda: NEVER,
+        holds: Callable[[float], float] = lambda _: NEVER,
         bots: frozenset[int] = frozenset(),
         prepare: Callable[[float], None] = lambda _: None,
     ) -> None:
@@ -65,7 +65,8 @@ class Follower:
             concerns: Which events the mind is told; all without.
             looks: The simulated time (s) at which the mind wants to look around next.
             holds: The simulated time (s) that the world must not overtake yet, because what the mind has said for
-                then is still on its way over others. The world is told that it was heard when that has changed.
+                then is still on its way over others; told the time that the world has got to. The world is told that
+                it was heard when that has changed.
             bots: The bots for which the part speaks.
             prepare: Called before the mind is told something that others said, with the wall time (s) since the
                 simulated time was heard: the world has gone on meanwhile.
@@ -153,7 +154,7 @@ class Follower:
             self._say_heard()
 
     def _settle(self) -> None:
-        if self._owes and self._holds() > self._beat_time:
+        if self._owes and self._holds(self._beat_time) > self._beat_time:
             self._owes = False
             self._say_heard()
 
@@ -165,7 +166,7 @@ class Follower:
     def _next(self) -> float:
         if self.mind is None or not self.in_step:
             return NEVER
-        return min(self.mind.next_wake, self._looks(), self._holds())
+        return min(self.mind.next_wake, self._looks(), self._holds(self._beat_time))
 
     def _wake(self) -> None:
         if self.mind is not None and self.in_step and self.mind.next_wake <= self.now:
