@@ -353,3 +353,32 @@ def test_the_same_start_gives_the_same_run(seed):
         return world.x.tobytes() + world.y.tobytes(), sum(isinstance(m, SetVelocities) for m in world.told)
 
     assert run() == run()
+
+
+def test_a_mind_that_is_started_again_goes_on_with_the_path_of_the_one_before(mind):
+    path = FollowPath(mind.bot, 77, ((1.0, 1.0), (5.0, 1.0)), (20.0, 22.0))
+    status = only(mind.begin(-1, 10.0, path=path), BotStatus)
+    assert (status.phase, status.points, status.stamps) == (Phase.DRIVING, path.points, path.stamps)
+    assert only(mind.handle(TripGoal(mind.bot, TRIP), 11.0), TripResult).code is Code.BUSY
+    told = only(mind.handle(CancelDrive(mind.bot, 0), 12.0), BotStatus)
+    assert told.phase is Phase.DRIVING
+    (idle,) = mind.handle(reply(path), 22.0)
+    assert idle.phase is Phase.IDLE
+    assert mind.next_wake == NEVER
+
+
+def test_a_path_that_has_ended_unheard_is_not_waited_for(mind):
+    path = FollowPath(mind.bot, 77, ((1.0, 1.0), (5.0, 1.0)), (2.0, 4.0))
+    mind.begin(-1, 10.0, path=path)
+    assert 10.0 < mind.next_wake < 15.0
+    (idle,) = mind.wake(mind.next_wake)
+    assert idle.phase is Phase.IDLE
+    assert mind.next_wake == NEVER
+
+
+def test_a_new_drive_takes_the_place_of_the_path_of_the_mind_before(mind):
+    mind.begin(-1, 10.0, path=FollowPath(mind.bot, 77, ((1.0, 1.0), (5.0, 1.0)), (20.0, 22.0)))
+    path = only(mind.handle(DriveGoal(mind.bot, 3, ((1.0, 2.0),), (30.0,)), 12.0), FollowPath)
+    assert mind.handle(reply(FollowPath(mind.bot, 77, ()), Code.REPLACED), 12.0) == []
+    assert mind.next_wake == NEVER
+    assert only(mind.handle(reply(path), 30.0), DriveResult).code is Code.DONE

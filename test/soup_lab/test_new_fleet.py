@@ -90,6 +90,29 @@ def test_nobody_runs_into_those_whom_somebody_else_has_stopped_on_their_way(seed
     assert not run.fleet.stalled
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("noticed", [True, False])
+@pytest.mark.parametrize("fleet_too", [True, False])
+def test_bots_that_are_started_again_on_their_way_are_where_the_fleet_expects_them(
+    seed: int, noticed: bool, fleet_too: bool
+):
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=40"])
+    run = Headless(warehouse.world(seed), POLICIES, seed)
+    for k in range(1, 9):
+        run.run(40.0 * k)
+        some = range(k % 4, 40, 4)
+        run.kill(some, noticed=noticed)
+        run.run(run.world.now + 1.0)
+        run.revive(some)
+        if fleet_too:
+            take_over(run, 2.0)
+    run.run(400.0)
+    figures = run.world.statistics()
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+    assert figures["words_completed"] > 0
+    assert not run.fleet.stalled
+
+
 @pytest.mark.parametrize("pause_s", [0.0, 5.0])
 def test_a_plan_is_carried_out_whoever_does_it(pause_s: float):
     warehouse = load_warehouse(CONFIG / "worlds" / "medium1.txt")

@@ -66,6 +66,14 @@ def buckets(draw: st.DrawFn, size: int | None = None) -> m.Buckets:
     return m.Buckets(draw(time), x, y, draw(arrays.arrays(np.int32, n)), draw(arrays.arrays(np.uint16, n)))
 
 
+timed_paths = st.builds(
+    lambda bot, request, drive: m.FollowPath(
+        bot, request, tuple((x, y) for x, y, _ in drive), tuple(sorted(stamp for *_, stamp in drive))
+    ),
+    int32, int64, st.lists(st.tuples(place, place, time), min_size=1, max_size=4),
+)  # fmt: skip
+
+
 @st.composite
 def snapshots(draw: st.DrawFn) -> m.Snapshot:
     content = st.dictionaries(int32, st.integers(0, 2**16 - 1), max_size=4)
@@ -73,6 +81,7 @@ def snapshots(draw: st.DrawFn) -> m.Snapshot:
     return m.Snapshot(
         draw(time), draw(int64), draw(bots()), draw(buckets(len(contents))), contents, draw(word_stations),
         draw(letter_stations), draw(some_words), draw(bundles), draw(int32), draw(some_ints), draw(int64),
+        draw(st.lists(timed_paths, max_size=3).map(tuple)),
     )  # fmt: skip
 
 
@@ -274,6 +283,14 @@ def path_of(count: int, x: float = 0.0) -> Path:
     return Path(poses=[pose] * count)
 
 
+def snapshot_with_path(times: list[float], *places: float) -> msg.Snapshot:
+    """With a path of one bot, whose points have these times and places."""
+    return msg.Snapshot(
+        content_start=[0], path_bot=[0], path_request=[1], path_start=[0, len(times)],
+        path_x=list(places), path_y=list(places), path_time=times,
+    )  # fmt: skip
+
+
 def bots_message(**changes: Any) -> msg.Bots:
     three = {"x": [0.0] * 3, "y": [0.0] * 3, "heading": [0.0] * 3, "vx": [0.0] * 3, "vy": [0.0] * 3}
     return msg.Bots(**{**three, "bucket": [-1] * 3, "state": [0] * 3, **changes})
@@ -316,6 +333,10 @@ NONSENSE = {
     "contents that run backwards": lambda: wire.from_ros(
         msg.Snapshot(content_start=[0, 2, 1], buckets=msg.Buckets(x=[0.0] * 2, y=[0.0] * 2, bot=[0, 0], tiles=[0, 0]))
     ),
+    "paths of no bot": lambda: wire.from_ros(msg.Snapshot(content_start=[0], path_start=[0, 1], path_x=[1.0])),
+    "a path under way to nowhere": lambda: wire.from_ros(snapshot_with_path([1.0], math.nan)),
+    "a path of too few places": lambda: wire.from_ros(snapshot_with_path([1.0, 2.0])),
+    "a path back in time": lambda: wire.from_ros(snapshot_with_path([2.0, 1.0], 0.0, 0.0)),
     "a storage spot off the floor": lambda: wire.from_ros(msg.Layout(storage_spots=[4])),
     "a scenario of another version": lambda: wire.from_ros(msg.Scenario(json='{"name": 3}')),
     "a beat wanted at no time": lambda: wire.from_ros(msg.Heard(next_time=math.nan)),

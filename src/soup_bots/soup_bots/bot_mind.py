@@ -72,6 +72,8 @@ class BotMind(Driver):
     def wake(self, now: float) -> list[Message]:
         """Try again what was refused, or what a collision interrupted."""
         self.next_wake = NEVER
+        if self._goes_on:
+            return self._idle(now)
         self._struck = False
         return self._try_again(now)
 
@@ -341,6 +343,8 @@ class BotMind(Driver):
             return f"is on trip {self.trip.trip}; cancel it first"
         if self._drive >= 0 and drives_too:
             return f"is on drive {self._drive}; cancel it first"
+        if self._goes_on and drives_too:
+            return "ends the drive that it was on before it was started again"
         if self.phase is Phase.BY_HAND:
             return "is driven by hand; set its velocity to zero first"
         return ""

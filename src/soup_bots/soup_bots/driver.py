@@ -10,6 +10,8 @@ from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import BotStatus, FollowPath, Point, Trip, TripFeedback
 from soup_msgs_py.mind import NEVER, Message
 
+OVERDUE_S = 2.0  # simulated: so long after a path should have ended, nobody will say any more that it has
+
 
 class Step(IntEnum):
     """The request that a bot is at."""
@@ -75,6 +77,7 @@ class Driver:
         self._hands: dict[int, tuple[int, Message]] = {}  # request by hand -> token, request
         self._inherited = False  # the body still does what an earlier mind asked for
         self._pending = False  # a request of an operation (not a drive) is with the world
+        self._goes_on = False  # follows a path that a mind before this one asked for
 
     # ---- what the crew needs ------------------------------------------------------------------------------
 
@@ -83,7 +86,7 @@ class Driver:
         """Whether the bot is to be steered now."""
         return self._step is Step.DRIVE and not self._struck and self.next_wake == NEVER
 
-    def begin(self, bucket: int, now: float, *, at_work: bool = False) -> list[Message]:
+    def begin(self, bucket: int, now: float, *, at_work: bool = False, path: FollowPath | None = None) -> list[Message]:
         """Learn from a snapshot what the bot carries; tell everybody what it is doing.
 
         Args:
@@ -91,8 +94,17 @@ class Driver:
             now: Simulated time (s).
             at_work: Whether its body still does what a mind before this one asked for; the world will tell when it
                 has done it.
+            path: The path with a timetable that its body follows, or waits to begin. It goes on with it: others keep
+                clear of where it says that it will be.
         """
         self.bucket = bucket
+        if path is not None and self.phase is Phase.IDLE and self._step is Step.STAND:
+            self.phase, self._step, self._goes_on = Phase.DRIVING, Step.DRIVE, True
+            self.route, self.stamps, self._request = path.points, path.stamps, path.request
+            self._text = "drives on, as it was asked before"
+            # in case it is there already, and the world's reply was not heard
+            self.next_wake = max(now, path.stamps[-1]) + OVERDUE_S
+            return [self._status(now)]
         if at_work and self.phase is Phase.IDLE:
             self.phase = Phase.BY_HAND
             self._text = "ends what it was asked for before"
@@ -138,6 +150,7 @@ class Driver:
 
     def _start_drive(self, points: tuple[Point, ...], now: float, stamps: tuple[float, ...] = ()) -> list[Message]:
         self.next_wake = NEVER
+        self._goes_on = False
         self._step = Step.DRIVE
         self._reason = ""
         self._struck = False
@@ -146,6 +159,7 @@ class Driver:
         return [self.path(now)]
 
     def _stop_driving(self) -> None:
+        self._goes_on = False
         self._step = Step.STAND
         self.route, self.stamps, self.corner, self.held = (), (), 0, False
         self._request = -1

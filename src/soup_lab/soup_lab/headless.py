@@ -128,11 +128,9 @@ class Headless:
         self._carry()
 
     def revive(self, bots: Iterable[int]) -> None:
-        """Give dead bots new minds, which know nothing of what the old ones did."""
-        carried = self.world.bots().bucket
-        for bot in bots:
-            if bot not in self.crew.minds:
-                self._say(self.crew, self.crew.revive(bot, int(carried[bot]), self.world.now))
+        """Give dead bots new minds, which know nothing of what the old ones did but what the world tells."""
+        dead = [bot for bot in bots if bot not in self.crew.minds]
+        self._say(self.crew, self.crew.come_back(dead, self.world.snapshot(), self.world.now))
         self._carry()
 
     def _say(self, speaker: Any, messages: list[Message]) -> None:

@@ -267,7 +267,8 @@ class Snapshot:
     """Everything that a newcomer needs, true right after event `sequence`.
 
     `contents[b]` maps tile kind to count for bucket b. `storage_spots` are the waypoints where a bucket may rest now,
-    ascending. `run` tells one run of a world from the next, which counts its events anew; 0 in one process.
+    ascending. `run` tells one run of a world from the next, which counts its events anew; 0 in one process. `paths` are
+    those with a timetable that bots follow or wait to begin: a mind that is started again goes on with them.
     """
 
     time: float
@@ -282,6 +283,7 @@ class Snapshot:
     words_completed: int
     storage_spots: tuple[int, ...] = ()
     run: int = 0
+    paths: tuple[FollowPath, ...] = ()
 
 
 @message

@@ -53,6 +53,14 @@ class Driving:
         """The bots that follow a path, or wait for the time of its beginning."""
         return [bot for bot, path in enumerate(self._paths) if path is not None]
 
+    def timed_paths(self) -> tuple[FollowPath, ...]:
+        """The paths with a timetable that bots follow or wait to begin, as they were asked for."""
+        return tuple(
+            FollowPath(bot, path.request, path.points, path.stamps)
+            for bot, path in enumerate(self._paths)
+            if path is not None and path.stamps
+        )
+
     def set_velocity(self, request: SetVelocity) -> None:
         """Equations 1 to 5; nothing happens while the bot is busy or penalised."""
         values = (request.vx, request.vy, request.turn_radps)

@@ -266,6 +266,7 @@ class World:
             words_completed=self._serving.words_completed,
             storage_spots=tuple(sorted(self._lifting.storage.bucket_on)),
             run=self.run,
+            paths=self._driving.timed_paths(),
         )
 
     # ---- figures --------------------------------------------------------------------------------------------

@@ -283,7 +283,7 @@ class CoordinatedFleet(Manager):
         self._told.pop(status.bot, None)
         if stands and robot.activity is Activity.AWAY:
             robot.failed_at = max(robot.failed_at, status.time)  # where it was seen before, it may not be any more
-        if is_new and drives_on(status):
+        if drives_on(status) and (is_new or self._drives_for_another(robot, status, now)):
             self._adopt_drive(robot, status)
             return self._act(now)
         if (is_new and (stands or works_on(status))) or (stands and robot.adopted):
@@ -373,15 +373,28 @@ class CoordinatedFleet(Manager):
 
     # ---- what an earlier fleet has begun --------------------------------------------------------------------
 
+    def _drives_for_another(self, robot: Robot, status: BotStatus, now: float) -> bool:
+        """Whether a bot that is not on a drive of this fleet is on one: its mind was started again and goes on with it.
+
+        Then it is as if the fleet had found it so.
+        """
+        if robot.activity is Activity.STANDS and status.stamps[-1] > now:
+            self._failed(robot, Code.CANCELLED, "drives, though it was to stand", True, now)
+        return robot.activity is Activity.AWAY
+
     def _adopt_drive(self, robot: Robot, status: BotStatus) -> None:
         """A bot drives where an earlier fleet has sent it: what for is to be seen by where that is."""
-        del self._watch.unplaced[robot.number]
+        self._watch.placed(robot.number)
+        self._halted.discard(robot.number)
+        if robot.waypoint >= 0:
+            self._places.leave(robot.waypoint)
         self._traffic.adopt(robot.number, status.points, status.stamps)
         goal = robot.waypoint = self._places.nearest(*status.points[-1])
         self._places.take(goal)
         robot.activity, robot.adopted, robot.asked_at = Activity.DRIVES, True, NEVER
         robot.bucket, robot.arrives = status.bucket, status.stamps[-1]
         self._note_place(robot)
+        self._note_closed()
         if robot.bucket < 0:
             bucket = self.view.bucket_on.get(goal, -1)
             if bucket >= 0 and self.situation.free_buckets[bucket]:

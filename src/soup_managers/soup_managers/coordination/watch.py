@@ -100,6 +100,11 @@ class Watch:
         self.unplaced.pop(robot.number, None)
         self.lost[robot.number] = robot
 
+    def placed(self, bot: int) -> None:
+        """It is known where a bot will stand."""
+        self.unplaced.pop(bot, None)
+        self.lost.pop(bot, None)
+
     def forget_idle(self, robot: Robot) -> None:
         """What a bot said before it was asked for something counts no more: it did not answer that."""
         if self._idle_at.get(robot.number, NEVER) <= robot.asked_at:

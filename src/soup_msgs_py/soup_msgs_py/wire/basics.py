@@ -21,7 +21,7 @@ from soup_msgs_py.codes import Code
 from soup_msgs_py.messages import Point, TileMove
 
 MOST = 100_000  # elements in any one list
-TYPECODES = {"d": np.float64, "f": np.float32, "i": np.int32, "H": np.uint16, "B": np.uint8}
+TYPECODES = {"d": np.float64, "f": np.float32, "i": np.int32, "q": np.int64, "H": np.uint16, "B": np.uint8}
 Member = TypeVar("Member", bound=StrEnum)
 Result = TypeVar("Result")
 

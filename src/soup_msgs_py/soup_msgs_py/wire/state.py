@@ -15,6 +15,7 @@ from soup_msgs_py.messages import (
     Buckets,
     Bundle,
     Event,
+    FollowPath,
     LetterStationState,
     Snapshot,
     Stations,
@@ -218,6 +219,13 @@ def _(snapshot: Snapshot) -> msg.Snapshot:
         run=snapshot.run,
     )
     message.storage_spots = pack("i", snapshot.storage_spots)
+    paths = snapshot.paths
+    message.path_bot = pack("i", [path.bot for path in paths])
+    message.path_request = pack("q", [path.request for path in paths])
+    message.path_start = pack("i", np.concatenate([[0], np.cumsum([len(path.points) for path in paths])]))
+    message.path_x = pack("d", [x for path in paths for x, _ in path.points])
+    message.path_y = pack("d", [y for path in paths for _, y in path.points])
+    message.path_time = pack("d", [time for path in paths for time in path.stamps])
     message.content_start = pack("i", np.concatenate([[0], np.cumsum(sizes)]))
     message.content_tile = pack("i", [tile for content in snapshot.contents for tile in content])
     message.content_count = pack("H", [count for content in snapshot.contents for count in content.values()])
@@ -239,7 +247,30 @@ def _(snapshot: msg.Snapshot) -> Snapshot:
         words_completed=snapshot.words_completed,
         storage_spots=to_ints(snapshot.storage_spots),
         run=snapshot.run,
+        paths=_read_paths(snapshot),
     )
+
+
+def _read_paths(snapshot: msg.Snapshot) -> tuple[FollowPath, ...]:
+    bots, requests, start = (to_ints(a) for a in (snapshot.path_bot, snapshot.path_request, snapshot.path_start))
+    if not bots and not start:
+        return ()  # as nobody has filled it in
+    xs, ys, stamps = (list(not_absurd(a)) for a in (snapshot.path_x, snapshot.path_y, snapshot.path_time))
+    rises = all(a < b for a, b in pairwise(start))
+    if not len(start) == len(bots) + 1 == len(requests) + 1 or start[0] != 0 or not rises:
+        raise MalformedMessage("paths that do not fit their bots")
+    if not start[-1] == len(xs) == len(ys) == len(stamps):
+        raise MalformedMessage(f"paths of {start[-1]} points, {len(xs)} and {len(ys)} places, {len(stamps)} times")
+    if not np.isfinite([*xs, *ys, *stamps]).all():
+        raise MalformedMessage("a path that leads nowhere")
+    points = list(zip(xs, ys, strict=True))
+    paths = tuple(
+        FollowPath(bot, request, tuple(points[a:b]), tuple(stamps[a:b]))
+        for bot, request, (a, b) in zip(bots, requests, pairwise(start), strict=True)
+    )
+    if any(later < earlier for path in paths for earlier, later in pairwise(path.stamps)):
+        raise MalformedMessage("a path back in time")
+    return paths
 
 
 def _read_contents(snapshot: msg.Snapshot) -> tuple[dict[int, int], ...]:
