@@ -219,7 +219,8 @@ def main(argv: Sequence[str] | None = None, *, scripts: Path) -> int:
     parser.add_argument("--scenario", type=Path, metavar="FILE")
     parser.add_argument("--policies", type=Path, metavar="FILE")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override one scenario value")
-    parser.add_argument("--event-log", type=Path, metavar="FILE", help="what happens in the warehouse, to look into it")
+    parser.add_argument("--event-log", type=Path, metavar="FILE", help="what happens in the warehouse")
+    parser.add_argument("--record", type=Path, metavar="DIR", help="record all topics of the warehouse")
     args.add_speed(parser)
     options = parser.parse_args(argv)
     return exit_status(lambda: run(options, scripts))
@@ -235,7 +236,7 @@ def run(options: argparse.Namespace, scripts: Path) -> int:
     command = [sys.executable, str(scripts / "run_warehouse.py"), "--no-dashboard", "--seed", str(options.seed)]
     command += ["--bot-processes", str(QUARTERS), "--speed", str(options.speed).replace("inf", "max")]
     command += [f"--set={override}" for override in options.set]
-    for name in ("scenario", "policies", "event_log"):
+    for name in ("scenario", "policies", "event_log", "record"):
         if getattr(options, name) is not None:
             command += [f"--{name.replace('_', '-')}", str(getattr(options, name))]
     stay_on_this_machine(QUARTERS + 8)

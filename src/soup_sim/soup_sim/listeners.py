@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard
 from soup_msgs_py.mind import NEVER, Message
 
-PATIENCE_S = 5.0  # wall time; a part that is silent for longer is waited for no more, until it speaks again
+PATIENCE_S = 4.0  # wall time; a part that is silent for longer is waited for no more, until it speaks again
 
 
 @dataclass(slots=True)
