@@ -75,7 +75,7 @@ class StationManagerNode:
         node = live.node(name)
         self._world = node.create_client(*service, qos_profile=EVERY_ONE)
         fleet = ChargeWatch(live, node, topics.FLEET_MANAGER_NODE)
-        self._fleet = GoalClient(live, node, *action, signs=lambda: fleet.term, term=lambda: fleet.term)
+        self._fleet = GoalClient(live, node, *action, signs=lambda: fleet.claim, term=lambda: fleet.claim)
         self._waits_for_fleet = f"waits for the fleet manager (nobody serves {action[1]})"
         self._waits_for_world = f"waits for the world (nobody serves {service[1]})"
         self._report = Report(live, node)

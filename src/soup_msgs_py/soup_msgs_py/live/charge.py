@@ -32,7 +32,6 @@ class ChargeWatch:
 
     Attributes:
         alive: How many are, or claim to be.
-        newest: The newest claim.
     """
 
     def __init__(self, live: Live, node: Node, manager: str, heard: Callable[[Charge], None] | None = None) -> None:
@@ -45,23 +44,25 @@ class ChargeWatch:
             heard: Is told every claim.
         """
         self.alive = 0
-        self.newest: Charge | None = None
+        self._claims = 0
         self._heard = heard
         events = SubscriptionEventCallbacks(liveliness=live.guard(self._on_liveliness))
         topic = topics.of_manager(manager, topics.CHARGE)
         live.follow(node, msg.Charge, topic, self._on_charge, ALIVE, event_callbacks=events)
 
     @property
-    def term(self) -> int:
-        """The term of who is in charge; 0 for nobody."""
-        return self.newest.term if self.newest is not None and self.alive else 0
+    def claim(self) -> int:
+        """Another number for everybody who is in charge, in the order in which they were heard; 0 for nobody.
+
+        Terms will not do: they begin anew where somebody takes over who has heard of nobody before.
+        """
+        return self._claims if self.alive else 0
 
     def _on_liveliness(self, info: Any) -> None:
         self.alive = info.alive_count
 
     def _on_charge(self, charge: Charge) -> None:
-        if self.newest is None or charge.term >= self.newest.term:
-            self.newest = charge
+        self._claims += 1
         if self._heard is not None:
             self._heard(charge)
 
