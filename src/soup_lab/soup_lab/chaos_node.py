@@ -44,6 +44,7 @@ letter: minimal
 fleet: {name: coordinated, options: {buckets: nearest, storage: nearest, onward: store}}
 """
 ROLES = ("word", "letter", "fleet")
+RESTARTED, KILLED = "; starts again", "SIGKILL"  # in what the warehouse says of a part that ended
 
 
 @dataclass(frozen=True)
@@ -252,9 +253,13 @@ def run(options: argparse.Namespace, scripts: Path) -> int:
             finally:
                 warehouse.send_signal(signal.SIGINT)
                 status = warehouse.wait()
+            said.seek(0)
+            lines = said.read().strip().splitlines()
             if not summary.exists():
-                said.seek(0)
-                raise RunError(f"the warehouse ended with status {status}: {said.read().strip().splitlines()[-1:]}")
+                raise RunError(f"the warehouse ended with status {status}: {lines[-1:]}")
+            for line in lines:
+                if RESTARTED in line and KILLED not in line:
+                    console.print(f"not killed: {line.strip()}", highlight=False)
         figures = json.loads(summary.read_text(encoding="utf-8"))
     return _verdict(console, chaos, figures)
 
