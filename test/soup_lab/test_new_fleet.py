@@ -161,3 +161,21 @@ def test_a_goal_that_came_before_its_word_was_opened_is_served_though_the_event_
     world.handle(m.AssignWord(word.word, 0))
     fleet.handle(world.snapshot(), 1.0)
     assert [task.job for task in fleet.tasks()] == [word.word]
+
+
+def test_bots_that_drive_for_an_earlier_fleet_may_die_once_more():
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=24"])
+    run = Headless(warehouse.world(3), POLICIES, 3)
+    for k in range(1, 7):
+        run.run(40.0 * k)
+        take_over(run, 0.0)
+        adopted = [robot for robot in run.fleet.situation.robots if robot.adopted]
+        assert adopted
+        for robot in adopted:
+            gone = m.DriveResult(robot.number, robot.order, Code.STOPPED, "who was asked is gone")
+            run._say(run.fleet, run.fleet.handle(gone, run.world.now))
+        run._carry()
+    run.run(400.0)
+    figures = run.world.statistics()
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+    assert not run.fleet.stalled

@@ -183,7 +183,7 @@ class CoordinatedFleet(Manager):
         self._find_again(now)
         self._ask_silent(now)
         for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
-            del self._waiting[robot.number]
+            self._waiting.pop(robot.number, None)  # one before it may have had it sent away
             self._resume(robot, now)
             if robot.activity is Activity.STANDS and robot.bucket >= 0 and self._digging.needed:
                 self._free_the_way(robot, now)

@@ -108,7 +108,7 @@ class Watch:
     def forget_idle(self, robot: Robot) -> None:
         """What a bot said before it was asked for something counts no more: it did not answer that."""
         if self._idle_at.get(robot.number, NEVER) <= robot.asked_at:
-            del self._idle_at[robot.number]
+            self._idle_at.pop(robot.number, None)  # nobody has asked one that drives for an earlier fleet
 
     def gone(self, bot: int) -> None:
         """Nobody answers for a bot until it speaks again."""
