@@ -15,7 +15,7 @@ from soup_managers.make_fleet import make_fleet
 from soup_managers.planned_fleet import PlannedFleet
 from soup_managers.view import WarehouseView
 from soup_msgs_py import messages as m
-from soup_msgs_py.codes import Code
+from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, load_policies
 from soup_sim.setup import load_warehouse
@@ -179,3 +179,25 @@ def test_bots_that_drive_for_an_earlier_fleet_may_die_once_more():
     figures = run.world.statistics()
     assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
     assert not run.fleet.stalled
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_no_station_is_cut_off_for_good_by_bots_that_did_not_answer_for_a_while(seed: int):
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=36"])
+    served: dict[int, float] = {}
+
+    def note(event: m.Event) -> None:
+        if event.type is EventType.TRANSFERRED:
+            served[event.station] = event.time
+
+    run = Headless(warehouse.world(seed), POLICIES, seed, on_event=note)
+    for k in range(1, 9):
+        run.run(100.0 * k)
+        some = range(k % 4, 36, 4)
+        run.kill(some, noticed=False)
+        run.run(run.world.now + 60.0)
+        run.revive(some)
+    run.run(1000.0)
+    figures = run.world.statistics()
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+    assert sorted(station for station, time in served.items() if time > 900.0) == list(range(6))

@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -44,7 +45,8 @@ letter: minimal
 fleet: {name: coordinated, options: {buckets: nearest, storage: nearest, onward: store}}
 """
 ROLES = ("word", "letter", "fleet")
-RESTARTED, KILLED = "; starts again", "SIGKILL"  # in what the warehouse says of a part that ended
+FAILED = re.compile(r"ended with status [1-9]")  # what the warehouse says of a part that was not killed
+WIDE = "1000"  # columns of what it says, so that each part that ended has one line
 
 
 @dataclass(frozen=True)
@@ -246,7 +248,8 @@ def run(options: argparse.Namespace, scripts: Path) -> int:
         policies = Path(folder) / "others.yaml"
         policies.write_text(OTHER_POLICIES, encoding="utf-8")
         with open(Path(folder) / "said", "w+", encoding="utf-8") as said:
-            warehouse = subprocess.Popen([*command, "--summary", str(summary)], stdout=said, stderr=said)
+            command += ["--summary", str(summary)]
+            warehouse = subprocess.Popen(command, stdout=said, stderr=said, env={**os.environ, "COLUMNS": WIDE})
             chaos = Chaos(live, random.Random(options.seed), scripts, policies, console)
             try:
                 _strike_on(chaos, live, warehouse, 60.0 * options.minutes)
@@ -258,7 +261,7 @@ def run(options: argparse.Namespace, scripts: Path) -> int:
             if not summary.exists():
                 raise RunError(f"the warehouse ended with status {status}: {lines[-1:]}")
             for line in lines:
-                if RESTARTED in line and KILLED not in line:
+                if FAILED.search(line):
                     console.print(f"not killed: {line.strip()}", highlight=False)
         figures = json.loads(summary.read_text(encoding="utf-8"))
     return _verdict(console, chaos, figures)

@@ -49,7 +49,8 @@ class Nearby:
         """What a bot holds beside the graph, on a straight way or, with one place, at rest; to be read only.
 
         The waypoints that nobody else can pass, and both ends of every edge that it is on or that is too close
-        between its ends: whoever is on an edge holds its head.
+        between its ends: whoever is on an edge holds its head. Of an edge that it stands on, near one end, that end
+        will do: nobody gets past it, and whoever stands at the other end may stay there.
         """
         held = self._held.get((start, end))
         if held is None:
@@ -60,10 +61,21 @@ class Nearby:
             edges = self._edges_near(a, b)
             gaps = gaps_between(self._starts[edges], self._ends[edges], a, b)
             tails, heads = roads.tail[edges], roads.head[edges]
-            closed = (gaps < _ON_EDGE_M) | ((gaps < roads.apart) & ~passed[tails] & ~passed[heads])
+            near_end = passed[tails] | passed[heads]
+            closed = (gaps < roads.apart) & ~near_end
+            if start != end:
+                closed |= gaps < _ON_EDGE_M
             passed[tails[closed]] = passed[heads[closed]] = True
             held = self._remember(self._held, (start, end), np.flatnonzero(passed).tolist())
         return held
+
+    def held_to(self, place: Point, waypoint: int) -> set[int]:
+        """What a bot beside the graph holds while it drives straight back to a waypoint."""
+        point = self._roads.points[waypoint].tolist()
+        own = np.hypot(point[0] - place[0], point[1] - place[1]) < _OWN * self._roads.apart
+        # where it is all but there, nobody can be in between
+        end = place if own else (point[0], point[1])
+        return {*self.held_along(place, end), *self.held_on(waypoint)}
 
     def _swept(self, place: Point, waypoint: int) -> list[int]:
         """Waypoints where no bucket may rest while a bucket is driven straight from a place to a waypoint."""

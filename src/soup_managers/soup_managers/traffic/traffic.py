@@ -462,7 +462,7 @@ class Traffic:
         for waypoint in self._nearby.ways_back(stand.point, loaded, blocked, goal):
             point = self._points[waypoint]
             dx, dy = point[0] - stand.point[0], point[1] - stand.point[1]
-            held = {*self._nearby.held_along(stand.point, point), *self._nearby.held_on(waypoint)}
+            held = self._nearby.held_to(stand.point, waypoint)
             depart = max(ready, *(float(free_from(self._table, w, bot)) for w in held))
             if depart == math.inf or depart > depart_by:
                 continue
