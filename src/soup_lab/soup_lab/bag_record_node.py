@@ -39,6 +39,7 @@ FROM_THE_FIRST = {
     topics.REPLIES: "soup_msgs/msg/BotReply",
     topics.REQUESTS: "soup_msgs/msg/BotRequest",
 }
+OF_ALL = (topics.DIAGNOSTICS, "/parameter_events")  # the recorder itself speaks there, before anybody else may
 COMPLETE = "complete_at"  # the value that says when all topics of the graph were being recorded (s since 1970)
 LOOK_S, CALM_LOOK_S = 0.25, 0.5  # wall time between two looks for new topics: while some come, and later
 CALM_S = 1.0  # without a new topic; then all that is there is being recorded
@@ -124,7 +125,8 @@ class Recorder:
             if profile is not None:
                 self._changed = now
                 self._begin(name, kinds[0], profile)
-        for name in FROM_THE_FIRST.keys() & self._streams.keys():  # they were begun when nobody spoke on them yet
+        # they were begun when nobody else spoke on them yet; to count for all topics would cost too much
+        for name in (FROM_THE_FIRST.keys() | set(OF_ALL)) & self._streams.keys():
             self._streams[name].expected = self._node.count_publishers(name)
         calm = now - self._changed > CALM_S
         self._look_due = now + (CALM_LOOK_S if calm else 0.0)

@@ -43,6 +43,7 @@ DEPTH = 1000
 LATENESS_KEPT = 10_000  # messages
 FAREWELL_S = 1.0  # wall time for everybody to get the last messages
 FOUND_S, SETTLED_S = 15.0, 0.5  # wall time to find those who listen; for which nobody new was found
+HEARD_S = 2.0  # wall time within which a recorder that is there has been heard of: it reports once a second
 
 
 class Replay:
@@ -321,17 +322,19 @@ def find_listeners(live: Live, node: Node, work: Replay) -> None:
     to lack nothing, says so itself.
     """
     watch = PartsWatch(live, node)
-    since, before = time.time(), -1
+    began = since = time.time()
+    before = -1
 
     def settled() -> bool:
         nonlocal since, before
         now, found = time.time(), work.found()
         if found != before:
             since, before = now, found
-        if now - since <= SETTLED_S:
+        if now - since <= SETTLED_S or now - began <= HEARD_S:
             return False
+        records = RECORDER in watch.at_work or RECORDER in watch.waiting or RECORDER_NODE in node.get_node_names()
         complete = float(watch.at_work.get(RECORDER, {}).get(COMPLETE, "0"))
-        return RECORDER_NODE not in node.get_node_names() or complete > since + SETTLED_S
+        return not records or complete > since + SETTLED_S
 
     live.spin(settled, FOUND_S)
 
