@@ -169,7 +169,8 @@ def test_bots_that_drive_for_an_earlier_fleet_may_die_once_more():
     for k in range(1, 7):
         run.run(40.0 * k)
         take_over(run, 0.0)
-        adopted = [robot for robot in run.fleet.situation.robots if robot.adopted]
+        fleet: Any = run.fleet
+        adopted = [robot for robot in fleet.situation.robots if robot.adopted]
         assert adopted
         for robot in adopted:
             gone = m.DriveResult(robot.number, robot.order, Code.STOPPED, "who was asked is gone")

@@ -30,7 +30,7 @@ def claim(term: int, rank: int) -> Charge:
 
 def test_everybody_in_charge_is_told_from_the_one_before():
     wires: Any = Wires()
-    watch = ChargeWatch(wires, None, "fleet_manager")
+    watch = ChargeWatch(wires, wires, "fleet_manager")
     seen = [watch.claim]
     # one that was handed over to, one that knew of nobody when the former was killed, and one it hands over to
     for term, rank in ((1, 5), (2, 3), (1, 9), (2, 1)):
