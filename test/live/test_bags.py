@@ -87,7 +87,8 @@ def test_a_recorded_run_is_measured_replayed_and_run_on(parts: Parts, tmp_path: 
         for name in recorded.counts:
             once, twice = said_on(name, recorded), said_on(name, replayed)
             if name in OF_ALL:  # there the recorder and the replay speak, too
-                twice = [cdr for cdr in twice if cdr in set(once)]
+                known = set(once)
+                twice = [cdr for cdr in twice if cdr in known]
             assert twice == once, name
 
     what_if = tmp_path / "what_if.json"

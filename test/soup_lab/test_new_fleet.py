@@ -56,6 +56,14 @@ def take_over(run: Headless, pause_s: float, policies: Policies = POLICIES) -> N
     run._carry()
 
 
+def all_is_well(run: Headless) -> None:
+    """Nobody has collided, nobody is left alone, and words were completed."""
+    figures = run.world.statistics()
+    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
+    assert figures["words_completed"] > 0
+    assert not run.fleet.stalled
+
+
 @pytest.mark.parametrize("pause_s", [0.0, 4.0, 30.0])
 @pytest.mark.parametrize("seed", [1])
 def test_nobody_collides_and_words_go_on(seed: int, pause_s: float):
@@ -84,10 +92,7 @@ def test_nobody_runs_into_those_whom_somebody_else_has_stopped_on_their_way(seed
             run._say(run.crew, run.crew.handle(m.CancelDrive(bot, mind._drive), run.world.now))
         run._carry()
     run.run(400.0)
-    figures = run.world.statistics()
-    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
-    assert figures["words_completed"] > 0
-    assert not run.fleet.stalled
+    all_is_well(run)
 
 
 @pytest.mark.parametrize("seed", [1, 2])
@@ -107,10 +112,7 @@ def test_bots_that_are_started_again_on_their_way_are_where_the_fleet_expects_th
         if fleet_too:
             take_over(run, 2.0)
     run.run(400.0)
-    figures = run.world.statistics()
-    assert figures["bot_collisions"] == figures["bucket_collisions"] == 0
-    assert figures["words_completed"] > 0
-    assert not run.fleet.stalled
+    all_is_well(run)
 
 
 @pytest.mark.parametrize("pause_s", [0.0, 5.0])

@@ -188,33 +188,27 @@ class Crew:
         self.next_wake = min(self._alarms.values(), default=NEVER)
         return dead.last_words("its mind is gone")
 
-    def revive(
-        self, bot: int, bucket: int, now: float, *, at_work: bool = False, path: FollowPath | None = None
-    ) -> list[Message]:
-        """A new mind takes over a body that carries a bucket, -1 for none, and may still be at work or on a path."""
-        self.minds[bot] = mind = self._mind(bot)
-        self.minds = dict(sorted(self.minds.items()))
-        self._begun[bot] = mind.drives
-        return mind.begin(bucket, now, at_work=at_work, path=path)
-
     def come_back(self, bots: Iterable[int], snapshot: Snapshot, now: float) -> list[Message]:
         """New minds take over bodies as they were in a snapshot."""
-        bodies, paths, out = snapshot.bots, {path.bot: path for path in snapshot.paths}, []
-        for bot in bots:
-            at_work = int(bodies.state[bot]) in _AT_WORK
-            out += self.revive(bot, int(bodies.bucket[bot]), now, at_work=at_work, path=paths.get(bot))
-            self._look_at(self.minds[bot], [], now)
-        return out
+        new = {bot: self._mind(bot) for bot in bots}
+        self.minds = dict(sorted((self.minds | new).items()))
+        for bot, mind in new.items():
+            self._begun[bot] = mind.drives
+        return self._begin_all(new.values(), snapshot, now)
 
     def _begin(self, snapshot: Snapshot, now: float) -> list[Message]:
-        out: list[Message] = []
         self._contents.begin(snapshot)
-        buckets, paths = snapshot.bots.bucket, {path.bot: path for path in snapshot.paths}
-        for bot, mind in self.minds.items():
-            if bot < len(buckets):
-                at_work = int(snapshot.bots.state[bot]) in _AT_WORK
-                out += mind.begin(int(buckets[bot]), now, at_work=at_work, path=paths.get(bot))
-                self._look_at(mind, [], now)
+        there = len(snapshot.bots.bucket)
+        return self._begin_all([mind for bot, mind in self.minds.items() if bot < there], snapshot, now)
+
+    def _begin_all(self, minds: Iterable[BotMind], snapshot: Snapshot, now: float) -> list[Message]:
+        """Minds learn what their bodies carry and do, which may be what minds before them have asked for."""
+        bodies, paths = snapshot.bots, {path.bot: path for path in snapshot.paths}
+        out: list[Message] = []
+        for mind in minds:
+            at_work = int(bodies.state[mind.bot]) in _AT_WORK
+            out += mind.begin(int(bodies.bucket[mind.bot]), now, at_work=at_work, path=paths.get(mind.bot))
+            self._look_at(mind, [], now)
         return out
 
     def _look_at(self, mind: BotMind, out: list[Message], now: float) -> None:

@@ -255,14 +255,11 @@ def _read_paths(snapshot: msg.Snapshot) -> tuple[FollowPath, ...]:
     bots, requests, start = (to_ints(a) for a in (snapshot.path_bot, snapshot.path_request, snapshot.path_start))
     if not bots and not start:
         return ()  # as nobody has filled it in
-    xs, ys, stamps = (list(not_absurd(a)) for a in (snapshot.path_x, snapshot.path_y, snapshot.path_time))
     rises = all(a < b for a, b in pairwise(start))
     if not len(start) == len(bots) + 1 == len(requests) + 1 or start[0] != 0 or not rises:
         raise MalformedMessage("paths that do not fit their bots")
-    if not start[-1] == len(xs) == len(ys) == len(stamps):
-        raise MalformedMessage(f"paths of {start[-1]} points, {len(xs)} and {len(ys)} places, {len(stamps)} times")
-    if not np.isfinite([*xs, *ys, *stamps]).all():
-        raise MalformedMessage("a path that leads nowhere")
+    arrays = (snapshot.path_x, snapshot.path_y, snapshot.path_time)
+    xs, ys, stamps = (unpack(values, np.float64, start[-1]).tolist() for values in arrays)
     points = list(zip(xs, ys, strict=True))
     paths = tuple(
         FollowPath(bot, request, tuple(points[a:b]), tuple(stamps[a:b]))
