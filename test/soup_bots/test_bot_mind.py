@@ -367,6 +367,18 @@ def test_a_mind_that_is_started_again_goes_on_with_the_path_of_the_one_before(mi
     assert mind.next_wake == NEVER
 
 
+def test_a_mind_whose_body_still_works_for_the_one_before_is_of_no_use_until_that_is_done(mind):
+    status = only(mind.begin(5, 10.0, at_work=True), BotStatus)
+    assert (status.phase, status.bucket) == (Phase.FINISHING, 5)
+    assert only(mind.handle(TripGoal(mind.bot, TRIP), 11.0), TripResult).code is Code.BUSY
+    assert only(mind.handle(DriveGoal(mind.bot, 3, ((1.0, 2.0),)), 11.0), DriveResult).code is Code.BUSY
+    for request in (SetVelocity(mind.bot, 1.0, 0.0), SetVelocity(mind.bot, 0.0, 0.0)):
+        assert only(mind.handle(request, 11.0), ByHandReply).reply.code is Code.BUSY
+    assert mind.phase is Phase.FINISHING
+    (idle,) = mind.handle(reply(Transfer(mind.bot, 77, 0, ())), 12.0)
+    assert (idle.phase, idle.bucket) == (Phase.IDLE, 5)
+
+
 def test_a_path_that_has_ended_unheard_is_not_waited_for(mind):
     path = FollowPath(mind.bot, 77, ((1.0, 1.0), (5.0, 1.0)), (2.0, 4.0))
     mind.begin(-1, 10.0, path=path)

@@ -11,11 +11,12 @@ import pytest
 
 import _environment
 from soup_lab.headless import Headless, make_minds
+from soup_managers.coordination.robots import Activity
 from soup_managers.make_fleet import make_fleet
 from soup_managers.planned_fleet import PlannedFleet
 from soup_managers.view import WarehouseView
 from soup_msgs_py import messages as m
-from soup_msgs_py.codes import Code, EventType
+from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, load_policies
 from soup_sim.setup import load_warehouse
@@ -111,6 +112,23 @@ def test_bots_that_are_started_again_on_their_way_are_where_the_fleet_expects_th
         run.revive(some)
         if fleet_too:
             take_over(run, 2.0)
+    run.run(400.0)
+    all_is_well(run)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_new_fleet_knows_at_once_where_everybody_is_though_all_minds_are_new(seed: int):
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=24"])
+    run = Headless(warehouse.world(seed), POLICIES, seed)
+    for k in range(1, 7):
+        run.run(40.0 * k)
+        run.kill(range(24), noticed=False)
+        run.revive(range(24))
+        assert any(mind.phase is Phase.FINISHING for mind in run.crew.minds.values())
+        take_over(run, 0.0)
+        run.run(run.world.now + 2.0)
+        fleet: Any = run.fleet
+        assert not any(robot.activity is Activity.UNKNOWN for robot in fleet.situation.robots)
     run.run(400.0)
     all_is_well(run)
 

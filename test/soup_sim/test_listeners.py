@@ -97,6 +97,30 @@ def test_nobody_is_lost_while_the_world_is_paused(listeners: Listeners):
     assert listeners.lost == ()
 
 
+def test_a_world_that_goes_on_waits_until_those_are_back_who_followed_it():
+    listeners = Listeners(7)
+    listeners.expect(["fleet manager", "bots 0-3"], 0.0)
+    assert listeners.names == ["fleet manager", "bots 0-3"]
+    assert listeners.wait(0.1)
+    listeners.hear(FLEET, 0.2)
+    assert listeners.wait(0.2)
+    listeners.hear(BOTS, 0.3)
+    assert not listeners.wait(0.3)
+    listeners.tell(STRUCK)
+    assert listeners.beat(1.0, 0.3).number > 7
+    assert listeners.wait(0.3)
+
+
+def test_a_world_that_goes_on_does_not_wait_for_ever():
+    listeners = Listeners()
+    listeners.expect(["fleet manager", "bots 0-3"], 0.0)
+    listeners.hear(FLEET, 0.2)
+    assert not listeners.wait(PATIENCE_S + 0.1)
+    assert listeners.lost == ("bots 0-3",)
+    listeners.hear(BOTS, PATIENCE_S + 0.2)
+    assert listeners.lost == ()
+
+
 def test_it_can_be_asked_for_whom_the_world_waits_most(listeners: Listeners):
     assert listeners.waited(0.0).startswith("0 %")
     beat = listeners.beat(1.0, 0.0)

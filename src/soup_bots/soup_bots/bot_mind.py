@@ -151,7 +151,7 @@ class BotMind(Driver):
         return [forwarded, *self._tell(now)]
 
     def _on_velocity(self, request: SetVelocity, now: float) -> list[Message]:
-        if self.trip is not None:
+        if self.trip is not None or self.phase is Phase.FINISHING:
             return [self._refuse_hand(-1, f"bot {self.bot} {self._why_busy()}", now)]
         out: list[Message] = [
             request,
@@ -188,8 +188,7 @@ class BotMind(Driver):
         self.place = reply.x, reply.y
         if reply.request in self._hands:
             return self._on_hand_reply(reply, now)
-        if self._inherited:
-            self._inherited = False
+        if self.phase is Phase.FINISHING:
             return self._idle(now)
         if self._request < 0 or reply.request != self._request:
             return []
@@ -345,6 +344,8 @@ class BotMind(Driver):
             return f"is on drive {self._drive}; cancel it first"
         if self._goes_on and drives_too:
             return "ends the drive that it was on before it was started again"
+        if self.phase is Phase.FINISHING:
+            return "ends what it was asked for before it was started again"
         if self.phase is Phase.BY_HAND:
             return "is driven by hand; set its velocity to zero first"
         return ""

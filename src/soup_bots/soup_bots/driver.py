@@ -75,7 +75,6 @@ class Driver:
         self._text = "stands idle"
         self._reason = ""  # what the bot waits for
         self._hands: dict[int, tuple[int, Message]] = {}  # request by hand -> token, request
-        self._inherited = False  # the body still does what an earlier mind asked for
         self._pending = False  # a request of an operation (not a drive) is with the world
         self._goes_on = False  # follows a path that a mind before this one asked for
 
@@ -106,9 +105,8 @@ class Driver:
             self.next_wake = max(now, path.stamps[-1]) + OVERDUE_S
             return [self._status(now)]
         if at_work and self.phase is Phase.IDLE:
-            self.phase = Phase.BY_HAND
+            self.phase = Phase.FINISHING
             self._text = "ends what it was asked for before"
-            self._inherited = True
         return [self._status(now)]
 
     def take_wheel(self) -> None:

@@ -8,7 +8,7 @@ from soup_msgs_py.messages import DriveGoal
 from soup_msgs_py.mind import NEVER
 
 SAME_S = 1e-6  # simulated: times on the wire are whole nanoseconds
-PATIENCE_S = 2.0  # wall time for which a bot that says nothing is waited for: its drive will be refused as late
+PATIENCE_S = 1.5  # wall time for which a bot that says nothing is waited for: its drive will be refused as late
 
 
 class Departures:

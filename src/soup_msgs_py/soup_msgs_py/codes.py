@@ -74,3 +74,4 @@ class Phase(StrEnum):
     VISITING = "visiting"
     STORING = "storing"
     BY_HAND = "by_hand"
+    FINISHING = "finishing"  # its body, at rest, ends what a mind before this one asked for

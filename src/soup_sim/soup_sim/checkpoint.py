@@ -113,10 +113,11 @@ def apply_checkpoint(data: bytes, world: World, path: str | Path) -> dict[str, A
 
 
 def come_to_rest(world: World) -> list[Any]:
-    """Run a restored world on until every bot stands: the new minds of its fleet know nothing of where they go.
+    """Run a restored world on until no bot is on a way that the new minds of its fleet cannot know of.
 
-    Drives that they were asked for they still do, which brings nobody into anybody's way, and stations work meanwhile.
-    Those that go on and on, by a target velocity, brake.
+    They learn of timetabled paths and go on with them. On others bots drive to the end, which brings nobody into
+    anybody's way, and stations work meanwhile. Those that go on and on, by a target velocity, brake. What is moved
+    between buckets and stations ends soon, whoever has asked for it.
 
     Returns:
         What the world says meanwhile.
@@ -127,9 +128,15 @@ def come_to_rest(world: World) -> list[Any]:
         if bot not in on_paths:
             said += world.handle(SetVelocity(bot, 0.0, 0.0))
     end = world.now + LONGEST_REST_S
-    while world.now < end and world.bots_on_paths():
+    while world.now < end and _moves_unknown(world):
         said += world.advance(world.now + REST_STEP_S)
-    said += world.end_transfers()
-    while world.now < end and (world.bots().state != BotState.FREE).any():
-        said += world.advance(world.now + REST_STEP_S)
-    return said
+    return [*said, *world.end_transfers()]
+
+
+def _moves_unknown(world: World) -> bool:
+    """Whether a bot moves, or will, in a way that snapshots do not tell."""
+    known = {path.bot for path in world.snapshot().paths}
+    if not known.issuperset(world.bots_on_paths()):
+        return True
+    moving = (world.bots().state == BotState.MOVING).nonzero()[0].tolist()
+    return not known.issuperset(moving)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard
 from soup_msgs_py.mind import NEVER, Message
 
-PATIENCE_S = 4.0  # wall time; a part that is silent for longer is waited for no more, until it speaks again
+PATIENCE_S = 3.0  # wall time; a part that is silent for longer is waited for no more, until it speaks again
 
 
 @dataclass(slots=True)
@@ -16,6 +17,12 @@ class _Listener:
     next_time: float
     asked: bool = False  # whether it is to answer the next beat
     beat: int = 0  # the newest that it is to answer
+    expected: bool = False  # whether it has not spoken to this world yet
+
+    @property
+    def late(self) -> bool:
+        """Whether the world waits for it."""
+        return self.expected or self.said.beat < self.beat
 
 
 class Listeners:
@@ -29,14 +36,28 @@ class Listeners:
         lost: Parts that were silent for too long, in the order of their names.
     """
 
-    def __init__(self) -> None:
-        """Begin with nobody: a part is waited for from the first time that it speaks."""
+    def __init__(self, beats: int = 0) -> None:
+        """Begin with nobody: a part is waited for from the first time that it speaks.
+
+        Args:
+            beats: The number of the last beat of a world before, or more: parts answer for it until they hear another.
+        """
         self.lost: tuple[str, ...] = ()
         self._parts: dict[str, _Listener] = {}
-        self._beats = 0
+        self._beats = beats
         self._since = 0.0
         self._waited_s: dict[str, float] = {}  # wall time, by the part that was waited for last
         self._asked = 0.0
+
+    @property
+    def names(self) -> list[str]:
+        """The parts that it waits for where that is needed."""
+        return list(self._parts)
+
+    def expect(self, parts: Iterable[str], wall: float) -> None:
+        """Wait for those who followed a world that goes on now: nothing is to happen that they do not hear of."""
+        self._since = wall
+        self._parts |= {name: _Listener(Heard(name, 0, NEVER), NEVER, expected=True) for name in parts}
 
     @property
     def asked(self) -> bool:
@@ -75,7 +96,7 @@ class Listeners:
             self._parts.pop(heard.part, None)
         else:
             part = self._parts.setdefault(heard.part, _Listener(heard, heard.next_time))
-            part.said, part.next_time = heard, heard.next_time
+            part.said, part.next_time, part.expected = heard, heard.next_time, False
         if waited and not self._late():
             self._waited_s[heard.part] = self._waited_s.get(heard.part, 0.0) + wall - self._since
 
@@ -101,7 +122,7 @@ class Listeners:
         return f"{100.0 * sum(waited_s.values()) / elapsed:.0f} % of the time, most for {most}"
 
     def _late(self) -> list[str]:
-        return [name for name, part in self._parts.items() if part.said.beat < part.beat]
+        return [name for name, part in self._parts.items() if part.late]
 
 
 def _concerns(part: Heard, said: Message) -> bool:

@@ -86,7 +86,9 @@ class WorldNode:
         over: Whether the run has reached its end.
     """
 
-    def __init__(self, live: Live, node: Any, world: World, pacer: Pacer, record: RunRecord) -> None:
+    def __init__(
+        self, live: Live, node: Any, world: World, pacer: Pacer, record: RunRecord, parts: Sequence[str] = ()
+    ) -> None:
         """Begin to publish and to listen.
 
         Args:
@@ -95,6 +97,7 @@ class WorldNode:
             world: The world itself.
             pacer: How fast it runs, and until when.
             record: Keeps the run's books.
+            parts: Who followed the world before it was started again.
         """
         self.over = False
         self._live, self._world, self._pacer, self._record = live, world, pacer, record
@@ -110,7 +113,9 @@ class WorldNode:
         self._stations = node.create_publisher(msg.Stations, topics.STATIONS, SHOWN)
         self._events = node.create_publisher(msg.Event, topics.EVENTS, EVERY_ONE)
         self._replies = node.create_publisher(msg.BotReply, topics.REPLIES, EVERY_ONE)
-        self._listeners = Listeners()
+        # clocks go on while worlds are started again
+        self._listeners = Listeners(time.time_ns() // 1000)
+        self._listeners.expect(parts, time.monotonic())
         self._beat = node.create_publisher(msg.Beat, topics.BEAT, LATCHED)
         self._sensed_bots = node.create_publisher(msg.Bots, topics.SENSED_BOTS, SHOWN)
         self._sensed_buckets = node.create_publisher(msg.Buckets, topics.SENSED_BUCKETS, SHOWN)
@@ -308,7 +313,11 @@ class WorldNode:
         answer.give(fill_result(srv.Checkpoint.Response(), code, message))
 
     def _write_checkpoint(self, path: Path) -> None:
-        books = {**self._record.capture(), "wall_seconds": self._pacer.wall_seconds}
+        books = {
+            **self._record.capture(),
+            "wall_seconds": self._pacer.wall_seconds,
+            "parts": self._listeners.names,
+        }
         write_checkpoint(path, self._world, books)
 
     # ---- now and then -------------------------------------------------------------------------------------
@@ -386,7 +395,7 @@ def run_world(options: Any) -> None:
                     for said in come_to_rest(world):
                         if isinstance(said, Event):
                             record.event(said)
-                shell = WorldNode(live, node, world, pacer, record)
+                shell = WorldNode(live, node, world, pacer, record, books.get("parts", ()))
                 if file is not None:
                     shell.keep_checkpoints(file, options.every)
                 live.spin()

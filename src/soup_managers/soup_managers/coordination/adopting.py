@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from soup_managers.coordination.robots import Purpose
+from soup_msgs_py.codes import Phase
 from soup_msgs_py.messages import BotStatus, Trip
 
 
@@ -11,11 +12,11 @@ def drives_on(status: BotStatus) -> bool:
     return bool(status.stamps) and status.trip is None
 
 
-def works_on(status: BotStatus) -> bool:
-    """Whether a bot is on a trip for all of which it stays where it is, as all trips of this fleet."""
+def stays(status: BotStatus) -> bool:
+    """Whether a bot that works stays where it is for all of its work, as on all trips of this fleet."""
     trip = status.trip
     if trip is None:
-        return False
+        return status.phase is Phase.FINISHING
     return not trip.fetch_route and not any(visit.route for visit in trip.visits) and len(trip.store_route) <= 1
 
 

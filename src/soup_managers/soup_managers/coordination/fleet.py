@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.coordination.adopting import drives_on, purpose_of, works_on
+from soup_managers.coordination.adopting import drives_on, purpose_of, stays
 from soup_managers.coordination.digging import Digging
 from soup_managers.coordination.fetching import Fetch, Fetching
 from soup_managers.coordination.jobs import Job
+from soup_managers.coordination.lines import FAR_S, Lines, spots_near
 from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
@@ -63,8 +64,6 @@ LOOKS = 40_000  # at one instant; then ways are looked for in a hurry, and after
 RETRY_S = 0.5  # before a way that could not be planned is tried again
 BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another one
 TRIES = 8  # alternatives that are tried at once
-WAITING_SPOTS = 4  # storage spots near each station that are kept for buckets that wait for a place in its line
-FAR_S = 15.0  # a bot that comes from farther takes the hindmost place in a line
 NEVER_LEFT = frozenset({Code.LATE, Code.BUSY, Code.PENALISED})  # results of drives that did not begin
 GONE = frozenset({Code.STOPPED, Code.UNKNOWN})  # results that somebody else had to give
 GIVE_UP_S = 20.0  # a bucket that could not get to its station for so long does something else
@@ -103,16 +102,15 @@ class CoordinatedFleet(Manager):
         self._places = Places(layout, scenario.bots)
         self._digging = Digging(layout, self._places)
         self._fetching = Fetching(self.situation, policy, self._places, self._digging, self._explain)
-        self._waiting_spots = self._near_stations()
+        self._waiting_spots = spots_near(self.situation.docks, self._places.spots, self._traffic)
         self._kept_free = np.zeros(len(layout.waypoints), bool)
         self._kept_free[[spot for spots in self._waiting_spots for spot in spots]] = True
-        self._lines: list[list[Robot | None]] = [[None] * len(line) for line in self._traffic.lines]
+        self._lines = Lines(self.situation, self._traffic.lines)
         self._early: list[Message] = []
         self._told: dict[int, BotStatus] = {}  # bots that say that they stand or work, and are still to be seen there
         self._ahead: dict[int, DeliverGoal | StoreGoal] = {}  # by word: goals that came before it was opened
         self._orders = 0
         self._watch = Watch(self.situation.robots)
-        self._line_of = {place: station for station, line in enumerate(self._traffic.lines) for place in line}
         self._settling = Settling()
         self._tick = NEVER
         self._asks_at = 0.0
@@ -120,10 +118,8 @@ class CoordinatedFleet(Manager):
         self._halted: set[int] = set()  # bots that were told to stop on their way, and are not seen to stand yet
         self._said: list[Message] = []
         self._undecided: list[Robot] = []
-        self._moved_lines: set[int] = set()
         self._looks_at, self._looks_before = -1.0, 0  # when ways were looked for last, and how many looks before then
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
-        self._tell_bound = False
         self._changed: dict[tuple[str, int], Job] = {}
         self._handlers |= {
             DeliverGoal: self._handle_goal,
@@ -256,7 +252,7 @@ class CoordinatedFleet(Manager):
         job = self.situation.jobs.all[kind, number]
         self._correct(job)
         self._changed[kind, number] = job
-        docked = self._lines[goal.station][0]
+        docked = self._lines.at(goal.station, 0)
         if docked is not None and docked.activity is Activity.STANDS:
             self._undecided.append(docked)
         return self._act(now)
@@ -286,7 +282,7 @@ class CoordinatedFleet(Manager):
         if drives_on(status) and (is_new or self._drives_for_another(robot, status, now)):
             self._adopt_drive(robot, status)
             return self._act(now)
-        if (is_new and (stands or works_on(status))) or (stands and robot.adopted):
+        if (is_new and (stands or stays(status))) or (stands and robot.adopted):
             self._told[robot.number] = status
             return self._enter(now)
         return []
@@ -309,11 +305,13 @@ class CoordinatedFleet(Manager):
                 self._end_adopted(robot, status, now)
             elif robot.activity is Activity.UNKNOWN:
                 del self._watch.unplaced[bot]
-                if status.trip is None:
-                    self._stands(robot, status.bucket, now)
-                    self._take_place_in_line(robot)
-                else:
+                if status.trip is not None:
                     self._adopt_trip(robot, status.trip, status.bucket, now)
+                elif status.phase is Phase.IDLE:
+                    self._stands(robot, status.bucket, now)
+                    self._lines.keep(robot)
+                else:
+                    self._stands_in_the_way(robot, now)
         if not seen:
             return []
         if not self._watch.unplaced:
@@ -328,7 +326,7 @@ class CoordinatedFleet(Manager):
                     robot.failed_at = max(robot.failed_at, np.nextafter(bots.time, np.inf))  # to be seen again, at rest
             if self._watch.unplaced:
                 for robot in self._watch.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
-                    self._stands_dead(robot, now)
+                    self._stands_in_the_way(robot, now)
             if self._told:
                 return self._enter(now)
         return []
@@ -404,7 +402,7 @@ class CoordinatedFleet(Manager):
         self.situation.free_buckets[robot.bucket] = False
         if self._places.is_spot[goal]:
             robot.purpose = Purpose.STORE
-        self._take_place_in_line(robot)
+        self._lines.keep(robot)
 
     def _end_adopted(self, robot: Robot, status: BotStatus, now: float) -> None:
         """The drive of an earlier fleet has ended, at its goal or before."""
@@ -427,21 +425,8 @@ class CoordinatedFleet(Manager):
         elif robot.purpose is Purpose.SERVE:
             robot.purpose = Purpose.NONE
             station = trip.visits[0].station
-            if self._traffic.lines[station][0] == self._traffic.at(robot.number):
-                self._take_slot(robot, station, 0)
-
-    def _take_place_in_line(self, robot: Robot) -> None:
-        """A bot that waits in a station's line with a bucket keeps its place."""
-        station = self._line_of.get(robot.waypoint, -1)
-        if robot.bucket >= 0 and station >= 0:
-            self._take_slot(robot, station, self._traffic.lines[station].index(robot.waypoint))
-
-    def _take_slot(self, robot: Robot, station: int, slot: int) -> None:
-        """A bot has a place in a station's line, if nobody else has."""
-        if self._lines[station][slot] is None:
-            self._bind(robot, station)
-            robot.purpose, robot.slot = Purpose.SERVE, slot
-            self._lines[station][slot] = robot
+            if self._lines.places[station][0] == self._traffic.at(robot.number):
+                self._lines.enter(robot, station, 0)
 
     # ---- where bots stand ----------------------------------------------------------------------------------
 
@@ -457,8 +442,8 @@ class CoordinatedFleet(Manager):
             robot.purpose = Purpose.PARK
             self._later(robot, now, "")
 
-    def _stands_dead(self, robot: Robot, now: float) -> None:
-        """Nobody answers for a bot: it stands in the way until somebody does."""
+    def _stands_in_the_way(self, robot: Robot, now: float) -> None:
+        """Nobody answers for a bot, or it still does what nobody knows any more: it stands there until it is idle."""
         self._place(robot, int(self.view.bot_bucket[robot.number]), now)
         self._watch.lose(robot, now)
         self._note_closed()
@@ -505,7 +490,7 @@ class CoordinatedFleet(Manager):
             robot.arrives = now
         if gone:
             self._watch.forget_idle(robot)
-        self._unbind(robot)
+        self._lines.unbind(robot)
         if robot.target >= 0 and self.view.bucket_bot[robot.target] < 0:
             self.situation.free_buckets[robot.target] = True
         robot.target = -1
@@ -523,10 +508,10 @@ class CoordinatedFleet(Manager):
         closed = self.situation.closed
         closed[:] = False
         for robot in self._watch.lost.values():
-            station = self._line_of.get(robot.waypoint, -1)
+            station = self._lines.station_at(robot.waypoint)
             if station >= 0:
                 closed[station] = True
-                self._moved_lines.add(station)
+                self._lines.moved.add(station)
 
     def _stop_others(self, robot: Robot, now: float) -> None:
         """Stop the bots that are to pass where a bot stands for good, and those that are to pass where they stop."""
@@ -614,7 +599,7 @@ class CoordinatedFleet(Manager):
             case Purpose.SERVE if robot.slot == 0:
                 self._undecided.append(robot)
             case Purpose.SERVE:
-                self._moved_lines.add(robot.station)
+                self._lines.moved.add(robot.station)
             case _:
                 robot.purpose = Purpose.NONE
 
@@ -643,7 +628,7 @@ class CoordinatedFleet(Manager):
             robot.purpose = Purpose.NONE
             return
         if robot.purpose is Purpose.SERVE and robot.slot != 0:
-            self._moved_lines.add(robot.station)
+            self._lines.moved.add(robot.station)
         else:
             self._undecided.append(robot)
 
@@ -662,7 +647,7 @@ class CoordinatedFleet(Manager):
             case Purpose.PARK:
                 self._park(robot, now)
             case Purpose.SERVE if robot.slot != 0:
-                self._moved_lines.add(robot.station)
+                self._lines.moved.add(robot.station)
             case _ if robot.bucket >= 0:
                 self._undecided.append(robot)
 
@@ -686,17 +671,17 @@ class CoordinatedFleet(Manager):
         """Decide what is to be decided, and say it."""
         self._explain.now = now
         self._settle(now)
-        while self._undecided or self._moved_lines:
+        while self._undecided or self._lines.moved:
             if self._undecided:
                 self._onward(self._undecided.pop(0), now)
             else:
-                station = min(self._moved_lines)
-                self._moved_lines.discard(station)
+                station = min(self._lines.moved)
+                self._lines.moved.discard(station)
                 self._move_up(station, now)
         self._set_alarm()
         said, self._said = self._said, []
-        if self._tell_bound:
-            self._tell_bound = False
+        if self._lines.bound_changed:
+            self._lines.bound_changed = False
             bound = [(r.load, station) for station, robots in enumerate(self.situation.bound) for r in robots]
             said.append(Bound(now, tuple([b for b, _ in bound]), tuple([s for _, s in bound])))
         return said
@@ -705,21 +690,18 @@ class CoordinatedFleet(Manager):
 
     def _move_up(self, station: int, now: float) -> None:
         """Move a station's line up, and let those who wait for a place in it come."""
-        line, places = self._lines[station], self._traffic.lines[station]
-        closed = bool(self.situation.closed[station])
-        for slot in range(len(line) - 1):
-            behind = next((k for k in range(slot + 1, len(line)) if line[k] is not None), -1)
-            if line[slot] is not None or behind < 0:
-                continue
-            robot = line[behind]
-            if robot is None or robot.activity is not Activity.STANDS:
+        lines, closed = self._lines, bool(self.situation.closed[station])
+        places = lines.places[station]
+        while (gap := lines.gap(station)) is not None:
+            slot, robot = gap
+            if robot.activity is not Activity.STANDS:
                 break
-            line[slot], robot.slot = robot, slot
+            before = robot.slot
+            lines.put(robot, slot)
             if not self._go(robot, places[slot], now):
-                line[slot], robot.slot = None, behind
+                lines.put(robot, before)
                 self._later(robot, now, "waits to move up")
                 break
-            line[behind] = None
         waiting = [
             (self.situation.travel_s(robot.waypoint, station), robot.number, robot)
             for robot in self.situation.bound[station]
@@ -728,22 +710,22 @@ class CoordinatedFleet(Manager):
         waiting.sort()
         for _, _, robot in waiting:
             if closed or now - robot.blocked_since > GIVE_UP_S:
-                self._unbind(robot)
+                self._lines.unbind(robot)
                 robot.purpose, robot.blocked_since = Purpose.NONE, NEVER
                 self._undecided.append(robot)
         if closed:
             return
         waiting = [entry for entry in waiting if entry[2].station == station]
-        crowded = len(self.situation.bound[station]) > len(line)
+        crowded = len(self.situation.bound[station]) > len(places)
         for travel, _, robot in waiting:
             if crowded and travel > FAR_S and self._come_near(robot, station, now):
                 continue
-            slot = self._slot_for(robot, station, now)
+            slot = lines.slot_for(robot, station, now)
             if slot < 0:
                 continue
-            line[slot], robot.slot = robot, slot
+            lines.put(robot, slot)
             if not self._go(robot, places[slot], now):
-                line[slot], robot.slot = None, -1
+                lines.put(robot, -1)
                 robot.blocked_since = min(robot.blocked_since, now)
                 self._later(robot, now, f"no way leads to {self._layout.station_name(station)} now")
 
@@ -757,62 +739,6 @@ class CoordinatedFleet(Manager):
             if self._places.is_free(spot) and open_[spot] and self._go(robot, spot, now):
                 return True
         return False
-
-    def _near_stations(self) -> list[list[int]]:
-        """The storage spots nearest to each station, no spot for two of them."""
-        near: list[list[int]] = [[] for _ in self.situation.docks]
-        spots = self._places.spots
-        times = [self._traffic.times_to(dock)[spots] for dock in self.situation.docks]
-        for _ in range(WAITING_SPOTS):
-            for found, time in zip(near, times, strict=True):
-                best = int(time.argmin()) if len(time) else -1
-                if best >= 0 and np.isfinite(time[best]):
-                    found.append(int(spots[best]))
-                    for others in times:
-                        others[best] = np.inf
-        return near
-
-    def _slot_for(self, robot: Robot, station: int, now: float) -> int:
-        """The place in a station's line that a bot can get to, -1 for none.
-
-        It comes behind all who are there before it, and before those who arrive later. One that comes from far
-        takes the hindmost: others may be served before it is there.
-        """
-        line = self._lines[station]
-        if self.situation.closed[station]:
-            return -1
-        travel = self.situation.travel_s(robot.waypoint, station)
-        low, high = 0, len(line)
-        for slot, other in enumerate(line):
-            if other is None:
-                continue
-            if other.activity is Activity.DRIVES and other.arrives > now + travel:
-                high = slot
-                break
-            low = slot + 1
-        if low >= high:
-            return -1
-        return low if travel <= FAR_S else high - 1
-
-    def _binding_changed(self, station: int) -> None:
-        self.situation.changed(station)
-        self._tell_bound = True
-
-    def _bind(self, robot: Robot, station: int) -> None:
-        robot.station, robot.slot = station, -1
-        self.situation.bound[station].append(robot)
-        self._binding_changed(station)
-
-    def _unbind(self, robot: Robot) -> None:
-        station = robot.station
-        if station < 0:
-            return
-        self.situation.bound[station].remove(robot)
-        self._binding_changed(station)
-        if robot.slot >= 0:
-            self._lines[station][robot.slot] = None
-            self._moved_lines.add(station)
-        robot.station, robot.slot = -1, -1
 
     # ---- decisions -----------------------------------------------------------------------------------------
 
@@ -850,12 +776,12 @@ class CoordinatedFleet(Manager):
         """Whether a bot stands at a dock that nobody else has and where its bucket is of use; it serves there then."""
         if robot.purpose is Purpose.SERVE:
             return robot.slot == 0 and bool(self._moves(robot, robot.station))
-        station = self._line_of.get(robot.waypoint, -1)
-        if station < 0 or self._traffic.lines[station][0] != self._traffic.at(robot.number):
+        station = self._lines.station_at(robot.waypoint)
+        if station < 0 or self._lines.places[station][0] != self._traffic.at(robot.number):
             return False
-        if self._lines[station][0] is not None or not self._moves(robot, station):
+        if self._lines.at(station, 0) is not None or not self._moves(robot, station):
             return False
-        self._take_slot(robot, station, 0)
+        self._lines.enter(robot, station, 0)
         return True
 
     def _worth_waiting(self, robot: Robot, now: float) -> bool:
@@ -877,17 +803,16 @@ class CoordinatedFleet(Manager):
         for station in lowest(-scores, TRIES):
             if scores[station] <= 0.0:
                 return -1
-            slot = self._slot_for(robot, station, now) if station != robot.station else -1
+            slot = self._lines.slot_for(robot, station, now) if station != robot.station else -1
             if slot < 0:
                 continue
-            before, place = robot.purpose, self._traffic.lines[station][slot]
+            before, place = robot.purpose, self._lines.places[station][slot]
             robot.purpose = Purpose.SERVE
             is_there = self._traffic.at(robot.number) == place
             if is_there or self._go(robot, place, now):
-                self._unbind(robot)
-                self._bind(robot, station)
-                robot.slot = slot
-                self._lines[station][slot] = robot
+                self._lines.unbind(robot)
+                self._lines.bind(robot, station)
+                self._lines.put(robot, slot)
                 if is_there:
                     self._arrived(robot, now)
                 return station
@@ -913,7 +838,7 @@ class CoordinatedFleet(Manager):
         for choice in lowest(costs, TRIES):
             spot = int(spots[choice])
             if np.isfinite(costs[choice]) and self._go(robot, spot, now):
-                self._unbind(robot)
+                self._lines.unbind(robot)
                 self._explain.choice("storage", spot, -costs, spots, bot=robot.number, bucket=robot.bucket)
                 return
         robot.purpose = before
@@ -944,11 +869,11 @@ class CoordinatedFleet(Manager):
         robot.purpose, robot.target = Purpose.FETCH, bucket
         self.situation.free_buckets[bucket] = False
         if not fetch.wanted.digs:
-            self._bind(robot, fetch.wanted.station)
+            self._lines.bind(robot, fetch.wanted.station)
         if not self._go(robot, int(self.situation.spot_of[bucket]), now):
             self._fetching.unreachable(bucket, now)
             self.situation.free_buckets[bucket] = True
-            self._unbind(robot)
+            self._lines.unbind(robot)
             robot.purpose, robot.target = Purpose.NONE, -1
 
     def _free_the_way(self, robot: Robot, now: float) -> None:
