@@ -157,7 +157,9 @@ class Chaos:
             self.wait(lambda: False, STOPPED_S)
         finally:
             os.kill(number, signal.SIGCONT)
-        return [("", self._until_words_flow())]
+        meanwhile = self._longest_pause()
+        self._begin()
+        return [("", meanwhile), (", which go on", self._until_words_flow())]
 
     def _swap(self, role: str) -> list[tuple[str, float]]:
         name = f"{role} manager"
@@ -193,6 +195,9 @@ class Chaos:
             return self.words > words
 
         self.wait(flow, PATIENCE_S)
+        return self._longest_pause()
+
+    def _longest_pause(self) -> float:
         return max(self._pause, time.monotonic() - self._last_word)
 
     # ---- what is heard ------------------------------------------------------------------------------------
