@@ -9,7 +9,7 @@ import pytest
 
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard
-from soup_sim.listeners import PATIENCE_S, Listeners
+from soup_sim.listeners import BOTS_PATIENCE_S, PATIENCE_S, Listeners
 
 REACTS = frozenset({EventType.BOT_COLLISION, EventType.WORD_COMPLETED})
 FLEET = Heard("fleet manager", 0, math.inf, REACTS)
@@ -88,6 +88,14 @@ def test_the_world_loses_its_patience_with_a_part_that_is_silent_until_it_speaks
     listeners.tell(STRUCK)
     listeners.beat(2.0, PATIENCE_S + 1.0)
     assert listeners.wait(PATIENCE_S + 1.0)
+
+
+def test_bots_are_waited_for_less_long_than_who_may_have_to_think(listeners: Listeners):
+    beat = listeners.beat(1.0, 0.0)
+    assert listeners.wait(BOTS_PATIENCE_S + 0.1)
+    assert listeners.lost == ("bots 0-3",)
+    listeners.hear(answer(FLEET, beat), BOTS_PATIENCE_S + 0.2)
+    assert not listeners.wait(BOTS_PATIENCE_S + 0.2)
 
 
 def test_nobody_is_lost_while_the_world_is_paused(listeners: Listeners):

@@ -23,11 +23,13 @@ from soup_msgs import msg
 
 from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
+from soup_msgs_py.codes import EventType
 from soup_msgs_py.errors import RunError
 from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import PartsWatch
-from soup_msgs_py.qos import DISPLAY, LATCHED
+from soup_msgs_py.messages import Event
+from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
 from soup_msgs_py.wire import from_ros, from_statistics
 
 QUARTERS = 4  # bot processes: one of them holds a quarter of the bots
@@ -86,6 +88,7 @@ class Chaos:
         self._since: dict[tuple[str, int], float] = {}  # tasks: when they were seen first (simulated s)
         self.blows: list[Blow] = []
         live.subscribe(node, msg.Statistics, topics.STATISTICS, self._on_figures, DISPLAY)
+        live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE)
         live.subscribe(node, msg.Tasks, topics.TASKS, self._on_tasks, LATCHED)
 
     @property
@@ -186,15 +189,8 @@ class Chaos:
 
     def _until_words_flow(self) -> float:
         """Wait for the next word; the longest time without one since the blow."""
-        words, seconds = self.words, self._figures["sim_seconds"]
-
-        def flow() -> bool:
-            nonlocal words
-            if self._figures["sim_seconds"] < seconds:
-                words = min(words, self.words)  # the world went back to its checkpoint
-            return self.words > words
-
-        self.wait(flow, PATIENCE_S)
+        began = time.monotonic()
+        self.wait(lambda: self._last_word > began, PATIENCE_S)
         return self._longest_pause()
 
     def _longest_pause(self) -> float:
@@ -203,12 +199,12 @@ class Chaos:
     # ---- what is heard ------------------------------------------------------------------------------------
 
     def _on_figures(self, message: msg.Statistics) -> None:
-        words = self.words
         self._figures = from_statistics(message)
-        if self.words > words:
-            wall = time.monotonic()
-            self._pause, self._last_word = max(self._pause, wall - self._last_word), wall
         self._words_at.append((time.monotonic(), self.words, self._figures["sim_seconds"]))
+
+    def _on_event(self, event: Event) -> None:
+        if event.type is EventType.WORD_COMPLETED:
+            self._pause, self._last_word = self._longest_pause(), time.monotonic()
 
     def _on_tasks(self, message: msg.Tasks) -> None:
         tasks = from_ros(message)

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard
 from soup_msgs_py.mind import NEVER, Message
 
-PATIENCE_S = 3.0  # wall time; a part that is silent for longer is waited for no more, until it speaks again
+# wall time; a part that is silent for longer is waited for no more, until it speaks again
+PATIENCE_S = 4.0  # managers may have to plan much
+BOTS_PATIENCE_S = 2.0  # bots do not
 
 
 @dataclass(slots=True)
@@ -23,6 +25,11 @@ class _Listener:
     def late(self) -> bool:
         """Whether the world waits for it."""
         return self.expected or self.said.beat < self.beat
+
+    @property
+    def patience_s(self) -> float:
+        """How long it is waited for (wall s)."""
+        return BOTS_PATIENCE_S if self.said.bots else PATIENCE_S
 
 
 class Listeners:
@@ -105,12 +112,12 @@ class Listeners:
         if paused:
             self._since = wall
         late = self._late()
-        if late and wall - self._since > PATIENCE_S:
-            for name in late:
-                del self._parts[name]
-            self.lost = tuple(sorted({*self.lost, *late}))
-            return False
-        return bool(late)
+        silent = [name for name in late if wall - self._since > self._parts[name].patience_s]
+        for name in silent:
+            del self._parts[name]
+        if silent:
+            self.lost = tuple(sorted({*self.lost, *silent}))
+        return len(late) > len(silent)
 
     def waited(self, wall: float) -> str:
         """How much the world has waited since this was asked last, and for whom most."""

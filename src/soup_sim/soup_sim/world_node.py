@@ -52,7 +52,7 @@ from soup_msgs_py.wire import (
     to_statistics,
 )
 from soup_sim.checkpoint import come_to_rest, make_checkpoint, restore_checkpoint, write_checkpoint
-from soup_sim.listeners import PATIENCE_S, Listeners
+from soup_sim.listeners import Listeners
 from soup_sim.markers_node import Markers
 from soup_sim.pacing import Pacer
 from soup_sim.rehearsal import rehearse
@@ -336,7 +336,7 @@ class WorldNode:
         self._report.values[WAITS] = self._listeners.waited(time.monotonic())
         lost = self._listeners.lost
         if lost:
-            self._report.waits(f"goes on without {', '.join(lost)}, silent for {PATIENCE_S:g} s")
+            self._report.waits(f"goes on without {', '.join(lost)}: silent for too long")
         else:
             self._report.works()
 
