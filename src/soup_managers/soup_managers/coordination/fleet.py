@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.coordination.adopting import drives_on, purpose_of, stays
+from soup_managers.coordination.adopting import drives_on, stays
 from soup_managers.coordination.digging import Digging
 from soup_managers.coordination.fetching import Fetch, Fetching
 from soup_managers.coordination.jobs import Job
@@ -22,6 +22,7 @@ from soup_managers.coordination.robots import Activity, Purpose, Robot
 from soup_managers.coordination.settling import Settling
 from soup_managers.coordination.situation import Situation
 from soup_managers.coordination.watch import Watch
+from soup_managers.coordination.whereabouts import RETRY_S, Whereabouts
 from soup_managers.explain import Explain
 from soup_managers.fleet_tasks import goal_tiles
 from soup_managers.manager import Manager
@@ -37,7 +38,6 @@ from soup_msgs_py.messages import (
     Bots,
     BotStatus,
     Bound,
-    CancelDrive,
     CancelTask,
     DeliverGoal,
     DriveGoal,
@@ -58,14 +58,9 @@ from soup_msgs_py.scenario import Scenario
 
 TICK_S = 1.0  # between two looks at all stations
 AT_ONCE = 10  # bots that may try again in that time
-ASK_S = 5.0  # between two questions to all lost bots that are silent
-NO_DRIVE = 0  # number of no drive: who is asked to end that one says what it does
 LOOKS = 40_000  # at one instant; then ways are looked for in a hurry, and after twice as many no more
-RETRY_S = 0.5  # before a way that could not be planned is tried again
 BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another one
 TRIES = 8  # alternatives that are tried at once
-NEVER_LEFT = frozenset({Code.LATE, Code.BUSY, Code.PENALISED})  # results of drives that did not begin
-GONE = frozenset({Code.STOPPED, Code.UNKNOWN})  # results that somebody else had to give
 GIVE_UP_S = 20.0  # a bucket that could not get to its station for so long does something else
 WAITS_S = 15.0  # a bucket waits no longer for a bundle
 _REACTS_TO = frozenset({EventType.WORD_COMPLETED, EventType.BUNDLE_EMPTIED})
@@ -79,9 +74,6 @@ class CoordinatedFleet(Manager):
 
     It owns nothing durable: bots, buckets and stations are as the world tells, and what is bound for where is
     decided anew by a new one.
-
-    Attributes:
-        lead_s: How long before their departure bots are told (s): what a message takes to get to them.
     """
 
     def __init__(
@@ -96,7 +88,6 @@ class CoordinatedFleet(Manager):
         super().__init__(view)
         self._scenario, self._layout, self._policy, self._rng = scenario, layout, policy, rng
         self._explain = explain or Explain()
-        self.lead_s = 0.0
         self._traffic = Traffic(scenario, layout)
         self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
         self._places = Places(layout, scenario.bots)
@@ -111,12 +102,20 @@ class CoordinatedFleet(Manager):
         self._ahead: dict[int, DeliverGoal | StoreGoal] = {}  # by word: goals that came before it was opened
         self._orders = 0
         self._watch = Watch(self.situation.robots)
+        self._said: list[Message] = []
+        self._whereabouts = Whereabouts(
+            scenario,
+            layout,
+            view,
+            self.situation,
+            self._traffic,
+            self._places,
+            self._lines,
+            self._watch,
+            self._said,
+        )
         self._settling = Settling()
         self._tick = NEVER
-        self._asks_at = 0.0
-        self._brakes_s = scenario.bot.max_speed_mps / scenario.bot.max_acceleration_mps2
-        self._halted: set[int] = set()  # bots that were told to stop on their way, and are not seen to stand yet
-        self._said: list[Message] = []
         self._undecided: list[Robot] = []
         self._looks_at, self._looks_before = -1.0, 0  # when ways were looked for last, and how many looks before then
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
@@ -151,6 +150,15 @@ class CoordinatedFleet(Manager):
         )
 
     @property
+    def lead_s(self) -> float:
+        """How long before their departure bots are told (s): what a message takes to get to them."""
+        return self._whereabouts.lead_s
+
+    @lead_s.setter
+    def lead_s(self, seconds: float) -> None:
+        self._whereabouts.lead_s = seconds
+
+    @property
     def stalled(self) -> dict[int, str]:
         """Bots that are left alone until they answer and are seen where they stand, and what went wrong."""
         return {bot: robot.note for bot, robot in sorted(self._watch.lost.items())}
@@ -171,13 +179,13 @@ class CoordinatedFleet(Manager):
             self._tick = self.next_wake = now + TICK_S
             return []
         for robot in self._watch.overdue(now):
-            self._overdue(robot, now)
+            self._whereabouts.overdue(robot, now)
         if now < self._tick:
             return self._act(now)
         self._tick = now + TICK_S
         self._settle(now)
         self._find_again(now)
-        self._ask_silent(now)
+        self._whereabouts.ask_silent(now)
         for robot in [robot for robot in self._waiting.values() if robot.retry_at <= now]:
             self._waiting.pop(robot.number, None)  # one before it may have had it sent away
             self._resume(robot, now)
@@ -279,8 +287,8 @@ class CoordinatedFleet(Manager):
         self._told.pop(status.bot, None)
         if stands and robot.activity is Activity.AWAY:
             robot.failed_at = max(robot.failed_at, status.time)  # where it was seen before, it may not be any more
-        if drives_on(status) and (is_new or self._drives_for_another(robot, status, now)):
-            self._adopt_drive(robot, status)
+        if drives_on(status) and (is_new or self._whereabouts.drives_for_another(robot, status, now)):
+            self._whereabouts.adopt_drive(robot, status)
             return self._act(now)
         if (is_new and (stands or stays(status))) or (stands and robot.adopted):
             self._told[robot.number] = status
@@ -293,7 +301,7 @@ class CoordinatedFleet(Manager):
         self._watch.gone(gone.bot)
         if robot.activity is not Activity.STANDS:
             return []
-        self._failed(robot, Code.STOPPED, f"nobody answers for bot {gone.bot}", True, now)
+        self._whereabouts.failed(robot, Code.STOPPED, f"nobody answers for bot {gone.bot}", True, now)
         return self._act(now)
 
     def _enter(self, now: float) -> list[Message]:
@@ -302,16 +310,17 @@ class CoordinatedFleet(Manager):
         for bot in seen:
             status, robot = self._told.pop(bot), self.situation.robots[bot]
             if robot.adopted:
-                self._end_adopted(robot, status, now)
+                if self._whereabouts.end_adopted(robot, status, now):
+                    self._arrived(robot, now)
             elif robot.activity is Activity.UNKNOWN:
                 del self._watch.unplaced[bot]
                 if status.trip is not None:
-                    self._adopt_trip(robot, status.trip, status.bucket, now)
+                    self._whereabouts.adopt_trip(robot, status.trip, status.bucket, now)
                 elif status.phase is Phase.IDLE:
                     self._stands(robot, status.bucket, now)
                     self._lines.keep(robot)
                 else:
-                    self._stands_in_the_way(robot, now)
+                    self._whereabouts.stands_in_the_way(robot, now)
         if not seen:
             return []
         if not self._watch.unplaced:
@@ -326,7 +335,7 @@ class CoordinatedFleet(Manager):
                     robot.failed_at = max(robot.failed_at, np.nextafter(bots.time, np.inf))  # to be seen again, at rest
             if self._watch.unplaced:
                 for robot in self._watch.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
-                    self._stands_in_the_way(robot, now)
+                    self._whereabouts.stands_in_the_way(robot, now)
             if self._told:
                 return self._enter(now)
         return []
@@ -338,8 +347,8 @@ class CoordinatedFleet(Manager):
         if robot.activity is not (Activity.DRIVES if drive else Activity.WORKS) or robot.order != number:
             return []
         began = self._watch.ended(robot)
-        if result.code is not Code.DONE or robot.number in self._halted:
-            self._failed(robot, result.code, result.message, began, now)
+        if result.code is not Code.DONE or robot.number in self._whereabouts.halted:
+            self._whereabouts.failed(robot, result.code, result.message, began, now)
         elif drive:
             self._arrived(robot, now)
         else:
@@ -369,70 +378,11 @@ class CoordinatedFleet(Manager):
         self.situation.jobs.correct(job, asked)
         self.situation.changed(job.station)
 
-    # ---- what an earlier fleet has begun --------------------------------------------------------------------
-
-    def _drives_for_another(self, robot: Robot, status: BotStatus, now: float) -> bool:
-        """Whether a bot that is not on a drive of this fleet is on one: its mind was started again and goes on with it.
-
-        Then it is as if the fleet had found it so.
-        """
-        if robot.activity is Activity.STANDS and status.stamps[-1] > now:
-            self._failed(robot, Code.CANCELLED, "drives, though it was to stand", True, now)
-        return robot.activity is Activity.AWAY
-
-    def _adopt_drive(self, robot: Robot, status: BotStatus) -> None:
-        """A bot drives where an earlier fleet has sent it: what for is to be seen by where that is."""
-        self._watch.placed(robot.number)
-        self._halted.discard(robot.number)
-        if robot.waypoint >= 0:
-            self._places.leave(robot.waypoint)
-        self._traffic.adopt(robot.number, status.points, status.stamps)
-        goal = robot.waypoint = self._places.nearest(*status.points[-1])
-        self._places.take(goal)
-        robot.activity, robot.adopted, robot.asked_at = Activity.DRIVES, True, NEVER
-        robot.bucket, robot.arrives = status.bucket, status.stamps[-1]
-        self._note_place(robot)
-        self._note_closed()
-        if robot.bucket < 0:
-            bucket = self.view.bucket_on.get(goal, -1)
-            if bucket >= 0 and self.situation.free_buckets[bucket]:
-                robot.purpose, robot.target = Purpose.FETCH, bucket
-                self.situation.free_buckets[bucket] = False
-            return
-        self.situation.free_buckets[robot.bucket] = False
-        if self._places.is_spot[goal]:
-            robot.purpose = Purpose.STORE
-        self._lines.keep(robot)
-
-    def _end_adopted(self, robot: Robot, status: BotStatus, now: float) -> None:
-        """The drive of an earlier fleet has ended, at its goal or before."""
-        robot.adopted, robot.bucket = False, status.bucket
-        x, y = self._layout.waypoints[robot.waypoint]
-        away = abs(self.view.bot_x[robot.number] - x) + abs(self.view.bot_y[robot.number] - y)
-        if away <= self._scenario.bot.tolerance_m:
-            self._arrived(robot, now)
-        else:
-            self._failed(robot, Code.CANCELLED, "stopped on its way", True, now)
-
-    def _adopt_trip(self, robot: Robot, trip: Trip, bucket: int, now: float) -> None:
-        """A bot lifts, sets down or serves, and will tell how that ended."""
-        self._place(robot, bucket, now)
-        robot.activity, robot.asked_at, robot.order = Activity.WORKS, now, trip.trip
-        robot.purpose = purpose_of(trip)
-        self.situation.free_buckets[trip.bucket] = False
-        if robot.purpose is Purpose.FETCH:
-            robot.bucket, robot.target = -1, trip.bucket
-        elif robot.purpose is Purpose.SERVE:
-            robot.purpose = Purpose.NONE
-            station = trip.visits[0].station
-            if self._lines.places[station][0] == self._traffic.at(robot.number):
-                self._lines.enter(robot, station, 0)
-
     # ---- where bots stand ----------------------------------------------------------------------------------
 
     def _stands(self, robot: Robot, bucket: int, now: float) -> None:
         """A bot has told that it stands idle: it can be used from where it is."""
-        self._place(robot, bucket, now)
+        self._whereabouts.stands(robot, bucket, now)
         robot.activity = Activity.STANDS
         if bucket >= 0:
             self._undecided.append(robot)
@@ -442,106 +392,13 @@ class CoordinatedFleet(Manager):
             robot.purpose = Purpose.PARK
             self._later(robot, now, "")
 
-    def _stands_in_the_way(self, robot: Robot, now: float) -> None:
-        """Nobody answers for a bot, or it still does what nobody knows any more: it stands there until it is idle."""
-        self._place(robot, int(self.view.bot_bucket[robot.number]), now)
-        self._watch.lose(robot, now)
-        self._note_closed()
-
-    def _place(self, robot: Robot, bucket: int, now: float) -> None:
-        """Enter a bot where it is seen."""
-        x, y = float(self.view.bot_x[robot.number]), float(self.view.bot_y[robot.number])
-        if robot.waypoint >= 0:
-            self._places.leave(robot.waypoint)
-        robot.waypoint = self._places.nearest(x, y)
-        robot.bucket, robot.target, robot.purpose, robot.adopted = bucket, -1, Purpose.NONE, False
-        self._places.take(robot.waypoint)
-        self._halted.discard(robot.number)
-        self._traffic.stand_at(robot.number, x, y, now)
-        self._stop_others(robot, now)
-        self._note_place(robot)
-        if bucket >= 0:
-            self.situation.free_buckets[bucket] = False
-
-    def _overdue(self, robot: Robot, now: float) -> None:
-        """A bot has not confirmed its drive, or is idle though it has not told how what it did ended."""
-        began = self._watch.ended(robot)
-        if not began:
-            self._said.append(CancelDrive(robot.number, robot.order))
-        why = f"bot {robot.number} does not answer"
-        self._failed(robot, Code.CANCELLED if began else Code.STOPPED, why, began, now)
-
-    def _failed(self, robot: Robot, code: Code, why: str, began: bool, now: float) -> None:
-        """What a bot was asked for went wrong: it is left alone until it is seen where it stands.
-
-        One that is gone in the middle of a drive still gets to its end: the path is with the world.
-        """
-        gone, drove = code in GONE, robot.activity is Activity.DRIVES
-        if drove and (code in NEVER_LEFT or not began):
-            self._traffic.undo(robot.number, now)
-            self._stop_others(robot, now)
-            robot.arrives = now
-        elif not gone:
-            if drove and robot.number not in self._halted:
-                # it has stopped near where it was then: nobody must be sent there
-                stopped = self._watch.idle_since(robot.number, now)
-                self._traffic.halt(robot.number, stopped - 2.0 * self.lead_s, 2.0 * self.lead_s)
-                self._stop_others(robot, now)
-            robot.arrives = now
-        if gone:
-            self._watch.forget_idle(robot)
-        self._lines.unbind(robot)
-        if robot.target >= 0 and self.view.bucket_bot[robot.target] < 0:
-            self.situation.free_buckets[robot.target] = True
-        robot.target = -1
-        robot.purpose = Purpose.NONE
-        robot.note = why
-        struck = code in (Code.COLLIDED, Code.PENALISED)
-        robot.retry_at = now + (self._scenario.bot.collision_penalty_s if struck else RETRY_S)
-        self._watch.lose(robot, now)
-        if drove and not gone:
-            robot.failed_at += self._brakes_s
-        self._note_closed()
-
-    def _note_closed(self) -> None:
-        """Close the stations in whose lines somebody stands whom nobody can tell to leave."""
-        closed = self.situation.closed
-        closed[:] = False
-        for robot in self._watch.lost.values():
-            station = self._lines.station_at(robot.waypoint)
-            if station >= 0:
-                closed[station] = True
-                self._lines.moved.add(station)
-
-    def _stop_others(self, robot: Robot, now: float) -> None:
-        """Stop the bots that are to pass where a bot stands for good, and those that are to pass where they stop."""
-        stopped = [robot]
-        while stopped:
-            for number in self._traffic.conflicts(stopped.pop().number):
-                other = self.situation.robots[number]
-                if other.activity is Activity.DRIVES and number not in self._halted and not other.adopted:
-                    self._halted.add(number)
-                    self._said.append(CancelDrive(number, other.order))
-                    self._traffic.halt(number, now, 2.0 * self.lead_s)
-                    stopped.append(other)
-
     def _find_again(self, now: float) -> None:
         """Bots that went wrong can be used again from where they are seen to stand."""
         found = self._watch.found(now, self.view.seen_at)
         for robot in found:
             self._stands(robot, int(self.view.bot_bucket[robot.number]), now)
         if found:
-            self._note_closed()
-
-    def _ask_silent(self, now: float) -> None:
-        """Ask lost bots what they do: what they were asked for may never have come to them."""
-        if now < self._asks_at:
-            return
-        self._asks_at = now + ASK_S
-        self._said += [CancelDrive(bot, NO_DRIVE) for bot in sorted(self._watch.silent)]
-
-    def _note_place(self, robot: Robot) -> None:
-        self.situation.robot_xy[robot.number] = self._layout.waypoints[robot.waypoint]
+            self._whereabouts.note_closed()
 
     # ---- legs and operations -------------------------------------------------------------------------------
 
@@ -559,7 +416,7 @@ class CoordinatedFleet(Manager):
         leg = self._traffic.plan(
             robot.number,
             goal,
-            now + self.lead_s,
+            now + self._whereabouts.lead_s,
             loaded=loaded,
             blocked_spots=self._places.occupied,
             hurried=hurried or looks > LOOKS,
@@ -567,14 +424,12 @@ class CoordinatedFleet(Manager):
         if leg is None:
             return False
         self._waiting.pop(robot.number, None)
-        self._places.leave(robot.waypoint)
-        self._places.take(goal)
-        robot.waypoint, robot.activity, robot.arrives, robot.note = goal, Activity.DRIVES, leg.arrive, ""
-        self._note_place(robot)
+        self._whereabouts.goes(robot, goal)
+        robot.activity, robot.arrives, robot.note = Activity.DRIVES, leg.arrive, ""
         self._orders += 1
         robot.order = self._orders
         robot.blocked_since = NEVER
-        self._watch.asked(robot, now, leg.depart, self.lead_s)
+        self._watch.asked(robot, now, leg.depart, self._whereabouts.lead_s)
         self._said.append(DriveGoal(robot.number, robot.order, leg.points, leg.stamps, robot.bucket))
         return True
 
@@ -679,7 +534,8 @@ class CoordinatedFleet(Manager):
                 self._lines.moved.discard(station)
                 self._move_up(station, now)
         self._set_alarm()
-        said, self._said = self._said, []
+        said = self._said.copy()
+        self._said.clear()
         if self._lines.bound_changed:
             self._lines.bound_changed = False
             bound = [(r.load, station) for station, robots in enumerate(self.situation.bound) for r in robots]
