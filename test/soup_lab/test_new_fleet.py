@@ -133,6 +133,30 @@ def test_a_new_fleet_knows_at_once_where_everybody_is_though_all_minds_are_new(s
     all_is_well(run)
 
 
+@pytest.mark.parametrize("seed", [1, 2])
+def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monkeypatch: pytest.MonkeyPatch):
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=40"])
+    run = Headless(warehouse.world(seed), POLICIES, seed)
+    fleet: Any = run.fleet
+    for k in range(1, 9):
+        run.run(60.0 * k)
+        run.kill(range(k % 4, 40, 4), noticed=False)
+        now = run.world.now
+        on_its_way = [robot for robot in fleet.situation.robots if robot.arrives > now + 5.0]
+        deaf = [robot.number for robot in on_its_way if robot.number not in run.crew.minds]
+        with monkeypatch.context() as patch:
+            patch.setattr(fleet._traffic, "conflicts", lambda bot, _now, deaf=deaf: deaf if bot not in deaf else [])
+            fleet._whereabouts._stop_others(fleet.situation.robots[(k + 1) % 4], now)
+        run._say(fleet, fleet._act(now))
+        assert fleet._whereabouts.halted.issuperset(deaf)
+        run.run(now + 30.0)
+        halted = [fleet.situation.robots[bot] for bot in fleet._whereabouts.halted]
+        assert not any(robot.activity is Activity.DRIVES for robot in halted)
+        run.revive(range(k % 4, 40, 4))
+    run.run(700.0)
+    all_is_well(run)
+
+
 @pytest.mark.parametrize("pause_s", [0.0, 5.0])
 def test_a_plan_is_carried_out_whoever_does_it(pause_s: float):
     warehouse = load_warehouse(CONFIG / "worlds" / "medium1.txt")

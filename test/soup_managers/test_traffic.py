@@ -397,6 +397,19 @@ def test_bots_on_lanes_find_storage_spots_to_wait_on(demo):
     assert_nobody_touches(driven, 2.0 * scenario.bot.radius_m)
 
 
+def test_who_drives_another_way_than_was_planned_is_in_the_way_of_others_as_long_as_it_drives(traffic, demo):
+    spot, dock = int(demo[1].storage_spots[0]), traffic.lines[0][0]
+    traffic.stand(0, spot, 0.0)
+    leg = traffic.plan(0, dock, 0.0, loaded=True)
+    assert leg is not None
+    traffic.stand(1, int(demo[1].storage_spots[-1]), 0.0)
+    assert traffic.conflicts(1, 0.0) == []
+    traffic.adopt(1, tuple(reversed(leg.points)), leg.stamps)
+    assert traffic.conflicts(1, 0.0) == [0]
+    assert traffic.conflicts(0, 0.0) == [1]
+    assert traffic.conflicts(1, leg.arrive + 60.0) == []
+
+
 def test_a_bot_stopped_between_waypoints_is_in_the_way_of_those_who_planned_to_pass(traffic, demo):
     spot, dock = int(demo[1].storage_spots[0]), traffic.lines[0][0]
     traffic.stand(0, spot, 0.0)
@@ -404,9 +417,9 @@ def test_a_bot_stopped_between_waypoints_is_in_the_way_of_those_who_planned_to_p
     assert leg is not None
     (ax, ay), (bx, by) = leg.points[1:3]
     traffic.stand_at(1, ax * 0.7 + bx * 0.3, ay * 0.7 + by * 0.3, 0.0)
-    assert traffic.conflicts(1) == [0]
+    assert traffic.conflicts(1, 0.0) == [0]
     traffic.revoke(0, -1.0)
-    assert traffic.conflicts(1) == []
+    assert traffic.conflicts(1, 0.0) == []
     around = traffic.plan(0, dock, 0.0, loaded=True)
     assert around is not None
     assert_nobody_touches(

@@ -30,3 +30,22 @@ def test_only_who_was_told_to_continue_after_long_was_stopped(
         os.kill(os.getpid(), signal.SIGCONT)
     assert still.look() is stopped
     assert not still.look()
+
+
+def test_what_a_process_hears_late_because_it_was_stopped_is_not_acted_upon(monkeypatch: pytest.MonkeyPatch):
+    heard: list[str] = []
+    before = signal.getsignal(signal.SIGCONT)
+    try:
+        with process.Live("bots", starts_again=True) as live:
+            take = live.guard(heard.append)
+            take("in time")
+            now = process.time.monotonic()
+            monkeypatch.setattr(process.time, "monotonic", lambda: now + 20.0)
+            os.kill(os.getpid(), signal.SIGCONT)
+            take("late")
+            with pytest.raises(process.StoodStill):
+                live.spin()
+            monkeypatch.undo()
+    finally:
+        signal.signal(signal.SIGCONT, before)
+    assert heard == ["in time"]

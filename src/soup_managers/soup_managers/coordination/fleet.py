@@ -178,6 +178,8 @@ class CoordinatedFleet(Manager):
         if not self.view.ready or self.view.lost:
             self._tick = self.next_wake = now + TICK_S
             return []
+        for robot in self._watch.deaf(now):
+            self._whereabouts.does_not_stop(robot, now)
         for robot in self._watch.overdue(now):
             self._whereabouts.overdue(robot, now)
         if now < self._tick:
@@ -424,8 +426,7 @@ class CoordinatedFleet(Manager):
         if leg is None:
             return False
         self._waiting.pop(robot.number, None)
-        self._whereabouts.goes(robot, goal)
-        robot.activity, robot.arrives, robot.note = Activity.DRIVES, leg.arrive, ""
+        self._whereabouts.departs(robot, goal, leg)
         self._orders += 1
         robot.order = self._orders
         robot.blocked_since = NEVER

@@ -33,15 +33,14 @@ class Watch:
         self._spoke: set[int] = set()
         self._idle_at: dict[int, float] = {}  # whose newest status says that they stand idle, and since when (s)
         self._unheard: dict[int, float] = {}  # until when bots may confirm their drives
+        self._stopping: dict[int, float] = {}  # until when bots that were told to stop may say that they have
         self._doubted: dict[int, float] = {}  # until when results of bots that are idle may come
         self._stood: dict[int, tuple[float, float, float]] = {}  # unplaced bots: since when, and where, they stand
 
     @property
     def next_time(self) -> float:
         """When somebody is overdue next (s)."""
-        if not self._unheard and not self._doubted:
-            return NEVER
-        return min(*self._unheard.values(), *self._doubted.values(), NEVER)
+        return min((*self._unheard.values(), *self._doubted.values(), *self._stopping.values()), default=NEVER)
 
     @property
     def wants_places(self) -> bool:
@@ -63,7 +62,11 @@ class Watch:
         """A bot was asked to drive."""
         robot.asked_at = now
         self._doubted.pop(robot.number, None)
-        self._unheard[robot.number] = min(depart, now + ANSWER_LEADS * lead_s + ANSWER_S) + HEARD_S
+        self._unheard[robot.number] = min(depart, _answered(now, lead_s)) + HEARD_S
+
+    def told_to_stop(self, robot: Robot, now: float, lead_s: float) -> None:
+        """A bot was told to stop on its way."""
+        self._stopping[robot.number] = _answered(now, lead_s)
 
     def heard(self, status: BotStatus, now: float) -> None:
         """A bot said what it does."""
@@ -84,6 +87,7 @@ class Watch:
     def ended(self, robot: Robot) -> bool:
         """The result of what a bot was asked for is there; whether it had said that it began."""
         self._doubted.pop(robot.number, None)
+        self._stopping.pop(robot.number, None)
         return self._unheard.pop(robot.number, None) is None
 
     def overdue(self, now: float) -> list[Robot]:
@@ -91,12 +95,20 @@ class Watch:
         late = [bot for bot, until in (*self._unheard.items(), *self._doubted.items()) if until <= now]
         return [self._robots[bot] for bot in sorted(set(late))]
 
+    def deaf(self, now: float) -> list[Robot]:
+        """Bots that have not said that they stopped; they are told of once."""
+        deaf = sorted(bot for bot, until in self._stopping.items() if until <= now)
+        for bot in deaf:
+            del self._stopping[bot]
+        return [self._robots[bot] for bot in deaf]
+
     # ---- bots that are lost and found ----------------------------------------------------------------------
 
     def lose(self, robot: Robot, now: float) -> None:
         """Leave a bot alone."""
         robot.activity = Activity.AWAY
         robot.failed_at = now
+        self._stopping.pop(robot.number, None)
         self.unplaced.pop(robot.number, None)
         self.lost[robot.number] = robot
 
@@ -144,3 +156,8 @@ class Watch:
             if now - since >= (STRANGE_S if bot in self._spoke else SILENT_S):
                 dead.append(robot)
         return dead
+
+
+def _answered(now: float, lead_s: float) -> float:
+    """When a bot must have answered what it is told now."""
+    return now + ANSWER_LEADS * lead_s + ANSWER_S

@@ -8,7 +8,7 @@ from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
 from soup_managers.coordination.situation import Situation
 from soup_managers.coordination.watch import Watch
-from soup_managers.traffic import Traffic
+from soup_managers.traffic import Leg, Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code
 from soup_msgs_py.layout import Layout
@@ -62,6 +62,7 @@ class Whereabouts:
         self._traffic, self._places, self._lines, self._watch, self._said = traffic, places, lines, watch, said
         self._tolerance_m, self._penalty_s = scenario.bot.tolerance_m, scenario.bot.collision_penalty_s
         self._brakes_s = scenario.bot.max_speed_mps / scenario.bot.max_acceleration_mps2
+        self._legs: dict[int, Leg] = {}  # the last one of each bot
         self._asks_at = 0.0
 
     # ---- where bots are --------------------------------------------------------------------------------------
@@ -73,6 +74,12 @@ class Whereabouts:
         robot.waypoint = goal
         self._places.take(goal)
         self._situation.robot_xy[robot.number] = self._layout.waypoints[goal]
+
+    def departs(self, robot: Robot, goal: int, leg: Leg) -> None:
+        """A bot is sent to a waypoint."""
+        self.goes(robot, goal)
+        self._legs[robot.number] = leg
+        robot.activity, robot.arrives, robot.note = Activity.DRIVES, leg.arrive, ""
 
     def stands(self, robot: Robot, bucket: int, now: float) -> None:
         """Enter a bot where it is seen."""
@@ -204,6 +211,17 @@ class Whereabouts:
             robot.failed_at += self._brakes_s
         self.note_closed()
 
+    def does_not_stop(self, robot: Robot, now: float) -> None:
+        """A bot that was told to stop has not said that it did: its mind hears nothing, and its body drives on."""
+        if robot.activity is not Activity.DRIVES or robot.number not in self.halted:
+            return
+        self.halted.discard(robot.number)
+        leg = self._legs[robot.number]
+        self._traffic.adopt(robot.number, leg.points, leg.stamps)
+        # as if an earlier fleet had asked it: what it tells next is where it stands
+        robot.adopted, robot.order, robot.asked_at = True, -1, NEVER
+        self._stop_others(robot, now)
+
     def ask_silent(self, now: float) -> None:
         """Ask lost bots what they do: what they were asked for may never have come to them."""
         if now >= self._asks_at:
@@ -214,10 +232,11 @@ class Whereabouts:
         """Stop the bots that are to pass where a bot stands for good, and those that are to pass where they stop."""
         stopped = [robot]
         while stopped:
-            for number in self._traffic.conflicts(stopped.pop().number):
+            for number in self._traffic.conflicts(stopped.pop().number, now):
                 other = self._situation.robots[number]
                 if other.activity is Activity.DRIVES and number not in self.halted and not other.adopted:
                     self.halted.add(number)
                     self._said.append(CancelDrive(number, other.order))
+                    self._watch.told_to_stop(other, now, self.lead_s)
                     self._traffic.halt(number, now, 2.0 * self.lead_s)
                     stopped.append(other)

@@ -225,14 +225,16 @@ class Traffic:
         """When nobody holds a waypoint any more: minus infinity for always, infinity while somebody stands there."""
         return float(free_from(self._table, waypoint, -1))
 
-    def conflicts(self, bot: int) -> list[int]:
-        """The bots that hold what a bot holds where it stands, at the same time: they must be stopped."""
+    def conflicts(self, bot: int, now: float) -> list[int]:
+        """The bots that hold what a bot holds, at the same time, from now on: they must be stopped."""
         table = self._table
         there = np.arange(table.begin.shape[1]) < table.filled[:, None]
-        mine = there & (table.bot == bot) & (table.end == np.inf)
-        since = np.where(mine, table.begin, np.inf).min(axis=1)
-        others = there & (table.bot != bot) & (table.end > since[:, None])
-        return sorted(set(table.bot[others].tolist()))
+        rows, columns = (there & (table.bot == bot)).nonzero()
+        begin = np.maximum(table.begin[rows, columns], now)[:, None]
+        end = table.end[rows, columns][:, None]
+        bots = table.bot[rows]
+        meet = there[rows] & (bots != bot) & (np.maximum(table.begin[rows], begin) < np.minimum(table.end[rows], end))
+        return sorted(set(bots[meet].tolist()))
 
     # ---- drives ----------------------------------------------------------------------------------------------
 

@@ -106,7 +106,7 @@ class Live:
         """Wrap a callback: an exception ends the process in order instead of inside the executor."""
 
         def guarded(*arguments: Any) -> Any:
-            if self._stopping:
+            if self._stopping or self._stood_still():
                 return None
             self._carried += 1
             try:
@@ -148,8 +148,7 @@ class Live:
         while not self._stopping:
             if until is not None and until():
                 return True
-            if self._still is not None and self._still.look():
-                self.stop(StoodStill(f"{self.name}: stood still for {self._still.seconds:.0f} s, starts again"))
+            if self._stood_still():
                 break
             now = time.monotonic()
             if deadline is not None and now >= deadline:
@@ -164,6 +163,13 @@ class Live:
         if self._error is not None:
             raise self._error
         return False
+
+    def _stood_still(self) -> bool:
+        """Whether the process was stopped for so long that what it hears now is no longer meant for it."""
+        if self._still is None or not self._still.look():
+            return False
+        self.stop(StoodStill(f"{self.name}: stood still for {self._still.seconds:.0f} s, starts again"))
+        return True
 
     def drain(self, longest_s: float, quiet_s: float) -> None:
         """After `spin`: carry what has already arrived, until nothing has come for a while.
