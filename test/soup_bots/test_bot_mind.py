@@ -379,6 +379,16 @@ def test_a_mind_whose_body_still_works_for_the_one_before_is_of_no_use_until_tha
     assert (idle.phase, idle.bucket) == (Phase.IDLE, 5)
 
 
+def test_a_mind_that_did_not_hear_that_the_work_of_the_one_before_is_done_looks_for_itself(mind):
+    mind.begin(5, 10.0, at_work=True)
+    for code, phase in ((Code.BUSY, Phase.FINISHING), (Code.INVALID, Phase.IDLE)):
+        (look,) = mind.wake(mind.next_wake)
+        assert look == Transfer(mind.bot, look.request, -1, ())
+        mind.handle(reply(look, code), 50.0)
+        assert mind.phase is phase
+    assert mind.next_wake == NEVER
+
+
 def test_a_path_that_has_ended_unheard_is_not_waited_for(mind):
     path = FollowPath(mind.bot, 77, ((1.0, 1.0), (5.0, 1.0)), (2.0, 4.0))
     mind.begin(-1, 10.0, path=path)

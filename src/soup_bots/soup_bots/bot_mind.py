@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from soup_bots.driver import Driver, Step
+from soup_bots.driver import LOOK_AGAIN_S, Driver, Step
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.messages import (
     BotReply,
@@ -74,6 +74,10 @@ class BotMind(Driver):
         self.next_wake = NEVER
         if self._goes_on:
             return self._idle(now)
+        if self.phase is Phase.FINISHING:
+            self.next_wake = now + LOOK_AGAIN_S
+            self._request = self._number(now)
+            return [Transfer(self.bot, self._request, -1, ())]  # nothing; a body at work refuses even that as busy
         self._struck = False
         return self._try_again(now)
 
@@ -189,7 +193,8 @@ class BotMind(Driver):
         if reply.request in self._hands:
             return self._on_hand_reply(reply, now)
         if self.phase is Phase.FINISHING:
-            return self._idle(now)
+            still = reply.request == self._request and reply.code is Code.BUSY
+            return [] if still else self._idle(now)
         if self._request < 0 or reply.request != self._request:
             return []
         self._request = -1

@@ -10,6 +10,7 @@ from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import BotStatus, FollowPath, Point, Trip, TripFeedback
 from soup_msgs_py.mind import NEVER, Message
 
+LOOK_AGAIN_S = 20.0  # simulated: between two looks whether the body still works for a mind before
 OVERDUE_S = 2.0  # simulated: so long after a path should have ended, nobody will say any more that it has
 
 
@@ -91,8 +92,7 @@ class Driver:
         Args:
             bucket: What it carries, -1 for none.
             now: Simulated time (s).
-            at_work: Whether its body still does what a mind before this one asked for; the world will tell when it
-                has done it.
+            at_work: Whether its body still does what a mind before this one asked for.
             path: The path with a timetable that its body follows, or waits to begin. It goes on with it: others keep
                 clear of where it says that it will be.
         """
@@ -107,6 +107,8 @@ class Driver:
         if at_work and self.phase is Phase.IDLE:
             self.phase = Phase.FINISHING
             self._text = "ends what it was asked for before"
+            # the world tells when that is done; in case it has told already
+            self.next_wake = now + LOOK_AGAIN_S
         return [self._status(now)]
 
     def take_wheel(self) -> None:
