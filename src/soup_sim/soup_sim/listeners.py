@@ -10,7 +10,7 @@ from soup_msgs_py.mind import NEVER, Message
 
 # wall time; a part that is silent for longer is waited for no more, until it speaks again
 PATIENCE_S = 4.0  # managers may have to plan much
-BOTS_PATIENCE_S = 2.0  # bots do not
+BOTS_PATIENCE_S = 3.0  # bots do not
 
 
 @dataclass(slots=True)
