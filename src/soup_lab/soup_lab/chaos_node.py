@@ -121,7 +121,12 @@ class Chaos:
         """Do something, and wait until words flow again."""
         what, blow = self._rng.choice(self._choices())
         self._console.print(f"{self._figures.get('sim_seconds', 0.0):8,.0f} s: {what}", highlight=False)
-        for then, pause in blow():
+        try:
+            costs = blow()
+        except ProcessLookupError:
+            self._console.print("            it had ended by itself", highlight=False)
+            return
+        for then, pause in costs:
             self.blows.append(Blow(f"{what}{then}", pause))
             self._console.print(f"            {pause:.1f} s without a word{then}", highlight=False)
 

@@ -33,6 +33,7 @@ LONGEST_WAIT_S = 0.1  # between two looks at the signals
 LONGEST_END_S = 2.5  # then the process ends without having taken leave; a busy machine gets more
 LONGEST_WALL = 4.0  # times as long, whatever the machine does meanwhile
 STILL_S = 10.0  # a process that was stopped for so long has been given up by the others
+TOLD_MS = 100  # wall time (ms) in which a process that was stopped is told that it goes on
 LEAVES = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -251,6 +252,12 @@ class Stillness:
         """Whether the process was stopped for long since the last look."""
         now = time.monotonic()
         gap, self._looked = now - self._looked, now
+        if gap >= STILL_S:
+            # a thread may go on a little before the signal comes that lets it
+            for _ in range(TOLD_MS):
+                if self._continued:
+                    break
+                time.sleep(0.001)
         continued, self._continued = self._continued, False
         if not continued or gap < STILL_S:
             return False
