@@ -35,3 +35,13 @@ def test_a_part_that_ran_steadily_dies_for_the_first_time_again(restarts: Restar
     restarts.died("world", 1.0)
     restarts.started("world", 2.0)
     assert restarts.died("world", 2.0 + STEADY_S) == FIRST_S
+
+
+def test_to_hand_over_is_not_to_die():
+    restarts = Restarts()
+    restarts.started("fleet manager", 0.0)
+    for k in range(3 * MOST):
+        assert restarts.handed_over("fleet manager", 10.0 * k) == FIRST_S
+        assert restarts.waits("fleet manager")
+        restarts.started("fleet manager", 10.0 * k + 1.0)
+    assert restarts.died("fleet manager", 200.0) == FIRST_S

@@ -40,6 +40,11 @@ class Restarts:
         history.due = wall + pause
         return pause
 
+    def handed_over(self, name: str, wall: float) -> float:
+        """A part has ended because another one has taken over: the pause until it may stand by for that (s)."""
+        self._parts[name].due = wall + FIRST_S
+        return FIRST_S
+
     def waits(self, name: str) -> bool:
         """Whether a part is dead and has a time to be started again."""
         return self._parts[name].due is not None

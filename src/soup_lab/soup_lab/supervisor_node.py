@@ -87,7 +87,8 @@ class Supervisor:
             return
         if status == WRONG_INPUT or (by_itself and not self.settled):
             raise RunError(self.obituary())
-        pause = self._restarts.died(name, time.monotonic())
+        wall = time.monotonic()
+        pause = self._restarts.handed_over(name, wall) if status == 0 else self._restarts.died(name, wall)
         if pause is None:
             raise RunError(f"{name} does not stay alive: {self._processes.last_words(name)}")
         self._tell(f"{name} {self._processes.last_words(name)}; starts again in {pause:g} s")
