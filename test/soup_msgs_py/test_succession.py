@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from soup_msgs_py.messages import Charge
-from soup_msgs_py.succession import LOOK_S, SETTLE_S, Standing, Succession
+from soup_msgs_py.succession import ALONE_S, LOOK_S, SETTLE_S, Standing, Succession
 
 
 def candidate(rank: int) -> Succession:
@@ -30,6 +30,21 @@ def test_a_newcomer_looks_around_before_it_claims():
     assert not newcomer.look(LOOK_S + SETTLE_S)
     assert newcomer.standing is Standing.IN_CHARGE
     assert newcomer.claim == Charge("word manager", 1, 5, "served")
+
+
+def test_a_newcomer_looks_around_from_when_it_meets_anybody():
+    newcomer = candidate(5)
+    for wall in (0.5 * LOOK_S, 1.1 * LOOK_S, 2.0 * LOOK_S):
+        assert not newcomer.look(wall, alone=True)
+    assert not newcomer.look(2.9 * LOOK_S)
+    assert newcomer.look(3.0 * LOOK_S)
+
+
+def test_who_meets_nobody_claims_after_a_while():
+    newcomer = candidate(5)
+    assert not newcomer.look(0.9 * ALONE_S, alone=True)
+    assert not newcomer.look(ALONE_S, alone=True)
+    assert newcomer.look(ALONE_S + LOOK_S, alone=True)
 
 
 def test_a_second_one_stands_by_until_the_first_is_gone(first: Succession):

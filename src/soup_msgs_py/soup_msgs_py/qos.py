@@ -9,7 +9,7 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # What a process is in charge of. Whoever follows it learns within a second that the process is gone.
 ALIVE = QoSProfile(
-    depth=1,
+    depth=20,  # claims of several that come at once, its own among them, must not push each other out
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
     liveliness=LivelinessPolicy.AUTOMATIC,

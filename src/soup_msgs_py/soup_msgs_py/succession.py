@@ -7,6 +7,7 @@ from enum import Enum
 from soup_msgs_py.messages import Charge
 
 LOOK_S = 2.5  # wall time in which a newcomer hears of whoever is in charge, on a busy machine, too
+ALONE_S = 6.0  # wall time after which it looks no longer for anybody
 SETTLE_S = 0.5  # wall time in which two who take over at once hear of each other
 
 
@@ -45,7 +46,7 @@ class Succession:
         self.standing = Standing.LOOKS
         self.other: Charge | None = None
         self.claim = Charge(part, 0, rank, policy)
-        self._since = wall
+        self._began = self._since = wall
         self._others = 0
 
     def alive(self, others: int) -> None:
@@ -62,12 +63,18 @@ class Succession:
             settled = self.standing is Standing.IN_CHARGE
             self.standing = Standing.REPLACED if settled else Standing.STANDS_BY
 
-    def look(self, wall: float) -> bool:
+    def look(self, wall: float, *, alone: bool = False) -> bool:
         """Go on as time goes by.
+
+        Args:
+            wall: Wall time now (s).
+            alone: Whether it has met nobody yet, on a machine that is too busy for that maybe.
 
         Returns:
             Whether it claims now: its claim is to be told, and to be alive, from now on.
         """
+        if alone and self.standing is Standing.LOOKS and wall - self._began < ALONE_S:
+            self._since = wall
         if self.standing is Standing.LOOKS and wall - self._since >= LOOK_S:
             self.standing = Standing.STANDS_BY
         if self.standing is Standing.STANDS_BY and self._others == 0:
