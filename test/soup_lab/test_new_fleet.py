@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +58,12 @@ def take_over(run: Headless, pause_s: float, policies: Policies = POLICIES) -> N
     run._carry()
 
 
+def demo(bots: int, seed: int, on_event: Callable[[m.Event], None] | None = None) -> Headless:
+    """The demonstration with another number of bots, about to begin."""
+    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", [f"bots={bots}"])
+    return Headless(warehouse.world(seed), POLICIES, seed, on_event=on_event)
+
+
 def all_is_well(run: Headless) -> None:
     """Nobody has collided, nobody is left alone, and words were completed."""
     figures = run.world.statistics()
@@ -68,8 +75,7 @@ def all_is_well(run: Headless) -> None:
 @pytest.mark.parametrize("pause_s", [0.0, 4.0, 30.0])
 @pytest.mark.parametrize("seed", [1])
 def test_nobody_collides_and_words_go_on(seed: int, pause_s: float):
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=24"])
-    run = Headless(warehouse.world(seed), POLICIES, seed)
+    run = demo(24, seed)
     before = 0
     for k in range(1, 5):
         run.run(150.0 * k)
@@ -85,8 +91,7 @@ def test_nobody_collides_and_words_go_on(seed: int, pause_s: float):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_nobody_runs_into_those_whom_somebody_else_has_stopped_on_their_way(seed: int):
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=40"])
-    run = Headless(warehouse.world(seed), POLICIES, seed)
+    run = demo(40, seed)
     for k in range(1, 13):
         run.run(20.0 * k)
         for bot, mind in run.crew.minds.items():
@@ -102,8 +107,7 @@ def test_nobody_runs_into_those_whom_somebody_else_has_stopped_on_their_way(seed
 def test_bots_that_are_started_again_on_their_way_are_where_the_fleet_expects_them(
     seed: int, noticed: bool, fleet_too: bool
 ):
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=40"])
-    run = Headless(warehouse.world(seed), POLICIES, seed)
+    run = demo(40, seed)
     for k in range(1, 9):
         run.run(40.0 * k)
         some = range(k % 4, 40, 4)
@@ -118,8 +122,7 @@ def test_bots_that_are_started_again_on_their_way_are_where_the_fleet_expects_th
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_new_fleet_knows_at_once_where_everybody_is_though_all_minds_are_new(seed: int):
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=24"])
-    run = Headless(warehouse.world(seed), POLICIES, seed)
+    run = demo(24, seed)
     for k in range(1, 7):
         run.run(40.0 * k)
         run.kill(range(24), noticed=False)
@@ -135,8 +138,7 @@ def test_a_new_fleet_knows_at_once_where_everybody_is_though_all_minds_are_new(s
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monkeypatch: pytest.MonkeyPatch):
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=40"])
-    run = Headless(warehouse.world(seed), POLICIES, seed)
+    run = demo(40, seed)
     fleet: Any = run.fleet
     for k in range(1, 9):
         run.run(60.0 * k)
@@ -173,8 +175,7 @@ def test_a_plan_is_carried_out_whoever_does_it(pause_s: float):
 
 
 def test_a_bot_that_an_order_never_came_to_is_used_again():
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=12"])
-    run = Headless(warehouse.world(1), POLICIES, 1)
+    run = demo(12, 1)
     run.run(60.0)
     handle, lost = run.crew.handle, set()
 
@@ -208,8 +209,7 @@ def test_a_goal_that_came_before_its_word_was_opened_is_served_though_the_event_
 
 
 def test_bots_that_drive_for_an_earlier_fleet_may_die_once_more():
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=24"])
-    run = Headless(warehouse.world(3), POLICIES, 3)
+    run = demo(24, 3)
     for k in range(1, 7):
         run.run(40.0 * k)
         take_over(run, 0.0)
@@ -228,14 +228,13 @@ def test_bots_that_drive_for_an_earlier_fleet_may_die_once_more():
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_no_station_is_cut_off_for_good_by_bots_that_did_not_answer_for_a_while(seed: int):
-    warehouse = load_warehouse(CONFIG / "scenarios" / "demo.yaml", ["bots=36"])
     served: dict[int, float] = {}
 
     def note(event: m.Event) -> None:
         if event.type is EventType.TRANSFERRED:
             served[event.station] = event.time
 
-    run = Headless(warehouse.world(seed), POLICIES, seed, on_event=note)
+    run = demo(36, seed, note)
     for k in range(1, 9):
         run.run(100.0 * k)
         some = range(k % 4, 36, 4)

@@ -123,10 +123,8 @@ def come_to_rest(world: World) -> list[Any]:
         What the world says meanwhile.
     """
     said: list[Any] = []
-    on_paths = set(world.bots_on_paths())
-    for bot in (world.bots().state == BotState.MOVING).nonzero()[0].tolist():
-        if bot not in on_paths:
-            said += world.handle(SetVelocity(bot, 0.0, 0.0))
+    for bot in sorted(_moving(world).difference(world.bots_on_paths())):
+        said += world.handle(SetVelocity(bot, 0.0, 0.0))
     end = world.now + LONGEST_REST_S
     while world.now < end and _moves_unknown(world):
         said += world.advance(world.now + REST_STEP_S)
@@ -136,7 +134,8 @@ def come_to_rest(world: World) -> list[Any]:
 def _moves_unknown(world: World) -> bool:
     """Whether a bot moves, or will, in a way that snapshots do not tell."""
     known = {path.bot for path in world.snapshot().paths}
-    if not known.issuperset(world.bots_on_paths()):
-        return True
-    moving = (world.bots().state == BotState.MOVING).nonzero()[0].tolist()
-    return not known.issuperset(moving)
+    return not known.issuperset(_moving(world).union(world.bots_on_paths()))
+
+
+def _moving(world: World) -> set[int]:
+    return set((world.bots().state == BotState.MOVING).nonzero()[0].tolist())

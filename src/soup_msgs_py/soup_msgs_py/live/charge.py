@@ -116,7 +116,9 @@ class InCharge:
     def _look(self) -> None:
         succession, wall = self._succession, time.monotonic()
         succession.alive(self._watch.alive - (self._publisher is not None))
-        if succession.look(wall, alone=self._node.count_publishers(topics.CLOCK) == 0):
+        # to count is slow among hundreds of bots
+        looks = succession.standing is Standing.LOOKS
+        if succession.look(wall, alone=looks and self._node.count_publishers(topics.CLOCK) == 0):
             self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), ALIVE)
             self._publisher.publish(to_ros(succession.claim))
         match succession.standing:
