@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,8 @@ from soup_msgs_py.policies import Policies, load_policies
 from soup_sim.setup import load_warehouse
 
 CONFIG: Path = _environment.ROOT / "config"
+COLLISIONS = frozenset({EventType.BOT_COLLISION, EventType.BUCKET_COLLISION})
+BEHIND_S = 0.5  # who drives so close behind cannot brake any more
 POLICIES = load_policies(CONFIG / "policies" / "best.yaml")
 
 
@@ -157,6 +160,27 @@ def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monke
         run.revive(range(k % 4, 40, 4))
     run.run(700.0)
     all_is_well(run)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("noticed", [True, False])
+def test_nobody_runs_into_dead_bots_that_were_struck_on_their_way(seed: int, noticed: bool):
+    collided: list[float] = []
+    run = demo(40, seed, lambda event: collided.append(event.time) if event.type in COLLISIONS else None)
+    for k in range(1, 9):
+        run.run(60.0 * k)
+        some, resting = range(k % 4, 40, 4), int((run.world.buckets().bot < 0).nonzero()[0][0])
+        run.kill(some, noticed=noticed)
+        run.run(run.world.now + 1.0)
+        for bot in some:
+            if run.world._bodies.moving[bot]:
+                run.world._driving._contact(bot, -1 - resting, sys.maxsize)
+        run.run(run.world.now + 40.0)
+        run.revive(some)
+    run.run(700.0)
+    assert len(collided) > 5
+    assert all(time % 60.0 < 1.0 + BEHIND_S for time in collided)
+    assert not run.fleet.stalled
 
 
 @pytest.mark.parametrize("pause_s", [0.0, 5.0])

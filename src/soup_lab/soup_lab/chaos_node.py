@@ -147,7 +147,7 @@ class Chaos:
         return self._rng.choice(sorted(name for name in self._parts.at_work if name.startswith("bots ")))
 
     def _pid(self, name: str) -> int:
-        return int(self._parts.at_work.get(name, {}).get("pid", "0"))
+        return self._parts.pid(name) if name in self._parts.at_work else 0
 
     def _kill(self, name: str) -> list[tuple[str, float]]:
         before = self._pid(name)
@@ -180,7 +180,7 @@ class Chaos:
             there = self._until_words_flow()
             # the one before stands by again, to be in charge afterwards
             standby = f"{name} (stands by)"
-            self.wait(lambda: standby in self._parts.waiting, PATIENCE_S)
+            self.wait(lambda: self._parts.pid(standby) not in (0, before, other.pid), PATIENCE_S)
         finally:
             other.send_signal(signal.SIGINT)
             other.wait()

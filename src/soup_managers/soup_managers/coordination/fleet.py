@@ -237,6 +237,8 @@ class CoordinatedFleet(Manager):
             spot = self.view.spot_of[event.bucket]
             situation.spot_of[event.bucket] = spot
             self._places.set_down(spot)
+        elif kind is EventType.BOT_COLLISION or kind is EventType.BUCKET_COLLISION:
+            self._watch.collided(event.bots, now, self.lead_s)
         elif kind is EventType.SPOT_MADE or kind is EventType.SPOT_REMOVED:
             self._places.allow(event.waypoint, kind is EventType.SPOT_MADE)
         return []
@@ -335,6 +337,8 @@ class CoordinatedFleet(Manager):
             for bot, robot in self._watch.lost.items():
                 if bots.vx[bot] != 0.0 or bots.vy[bot] != 0.0:
                     robot.failed_at = max(robot.failed_at, np.nextafter(bots.time, np.inf))  # to be seen again, at rest
+            for robot in self._watch.struck(bots.time):
+                self._whereabouts.struck(robot, now)
             if self._watch.unplaced:
                 for robot in self._watch.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
                     self._whereabouts.stands_in_the_way(robot, now)

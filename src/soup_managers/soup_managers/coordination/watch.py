@@ -35,6 +35,7 @@ class Watch:
         self._unheard: dict[int, float] = {}  # until when bots may confirm their drives
         self._stopping: dict[int, float] = {}  # until when bots that were told to stop may say that they have
         self._doubted: dict[int, float] = {}  # until when results of bots that are idle may come
+        self._struck: dict[int, float] = {}  # until when bots may tell that a collision has stopped them
         self._stood: dict[int, tuple[float, float, float]] = {}  # unplaced bots: since when, and where, they stand
 
     @property
@@ -45,7 +46,8 @@ class Watch:
     @property
     def wants_places(self) -> bool:
         """Whether the fleet has to see where bots stand."""
-        return bool(self.unplaced) or (bool(self.lost) and any(bot in self._idle_at for bot in self.lost))
+        to_be_found = bool(self.lost) and any(bot in self._idle_at for bot in self.lost)
+        return bool(self.unplaced or self._struck) or to_be_found
 
     @property
     def silent(self) -> set[int]:
@@ -68,9 +70,25 @@ class Watch:
         """A bot was told to stop on its way."""
         self._stopping[robot.number] = _answered(now, lead_s)
 
+    def collided(self, bots: Sequence[int], now: float, lead_s: float) -> None:
+        """A collision has stopped bots on their way, also those for which nobody answers."""
+        for bot in bots:
+            if bot in self.silent:
+                self._struck[bot] = now
+            elif self._robots[bot].activity is Activity.DRIVES:
+                self._struck[bot] = _answered(now, lead_s)
+
+    def struck(self, seen_at: float) -> list[Robot]:
+        """Bots that have not told that a collision stopped them, and were seen since; they are told of once."""
+        struck = sorted(bot for bot, until in self._struck.items() if until <= seen_at)
+        for bot in struck:
+            del self._struck[bot]
+        return [self._robots[bot] for bot in struck]
+
     def heard(self, status: BotStatus, now: float) -> None:
         """A bot said what it does."""
         bot = status.bot
+        self._struck.pop(bot, None)
         self._spoke.add(bot)
         if status.phase is not Phase.IDLE:
             self._idle_at.pop(bot, None)

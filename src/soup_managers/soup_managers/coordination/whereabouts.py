@@ -211,6 +211,12 @@ class Whereabouts:
             robot.failed_at += self._brakes_s
         self.note_closed()
 
+    def struck(self, robot: Robot, now: float) -> None:
+        """A collision has stopped a bot on its way for which nobody answers: it will not get to its end."""
+        if robot.activity is Activity.DRIVES:
+            self.failed(robot, Code.STOPPED, f"nobody answers for bot {robot.number}, which has collided", True, now)
+        self.stands_in_the_way(robot, now)
+
     def does_not_stop(self, robot: Robot, now: float) -> None:
         """A bot that was told to stop has not said that it did: its mind hears nothing, and its body drives on."""
         if robot.activity is not Activity.DRIVES or robot.number not in self.halted:

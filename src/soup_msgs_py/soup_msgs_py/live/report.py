@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import time
+from dataclasses import dataclass
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
@@ -15,6 +16,7 @@ from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import to_stamp
 
 PERIOD_S = 1.0
+SILENT_S = 3.0  # a process that has said nothing for so long does not wait
 PATIENCE_S = 1.0  # a wait that takes longer is told on stderr, once
 AT_WORK = "at work"
 WAITS = "waits"  # the value that says how much the world waits for the others
@@ -81,20 +83,41 @@ class PartsWatch:
 
     Attributes:
         at_work: Details of each process that is, by its name.
-        waiting: What each other one waits for, by its name.
     """
 
     def __init__(self, live: Live, node: Node) -> None:
         """Watch from now on."""
         self.at_work: dict[str, dict[str, str]] = {}
-        self.waiting: dict[str, str] = {}
+        self._waiting: dict[str, _Waiting] = {}
         live.subscribe(node, DiagnosticArray, topics.DIAGNOSTICS, self._take, EVERY_ONE)
+
+    @property
+    def waiting(self) -> dict[str, str]:
+        """What each other process waits for, by its name.
+
+        Who is silent is left out: that one has gone, or is in charge now, under another name.
+        """
+        since = time.monotonic() - SILENT_S
+        return {name: part.message for name, part in self._waiting.items() if part.heard >= since}
+
+    def pid(self, name: str) -> int:
+        """The process of a name that was heard last; 0 for none."""
+        values = self._waiting[name].values if name in self._waiting else self.at_work.get(name, {})
+        return int(values.get("pid", "0"))
 
     def _take(self, message: DiagnosticArray) -> None:
         for status in message.status:
+            values = {pair.key: pair.value for pair in status.values}
             if status.level == DiagnosticStatus.OK:
-                self.waiting.pop(status.name, None)
-                self.at_work[status.name] = {pair.key: pair.value for pair in status.values}
+                self._waiting.pop(status.name, None)
+                self.at_work[status.name] = values
             else:
                 self.at_work.pop(status.name, None)
-                self.waiting[status.name] = status.message
+                self._waiting[status.name] = _Waiting(status.message, values, time.monotonic())
+
+
+@dataclass(frozen=True)
+class _Waiting:
+    message: str
+    values: dict[str, str]
+    heard: float  # wall time (s)
