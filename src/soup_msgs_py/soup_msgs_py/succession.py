@@ -77,7 +77,7 @@ class Succession:
             self._since = wall
         if self.standing is Standing.LOOKS and wall - self._since >= LOOK_S:
             self.standing = Standing.STANDS_BY
-        if self.standing is Standing.STANDS_BY and self._others == 0:
+        if self.standing is Standing.STANDS_BY and self._others <= 0:
             self.standing, self._since = Standing.CLAIMS, wall
             term = self.other.term if self.other is not None else 0
             self.claim = Charge(self.claim.part, term + 1, self.claim.rank, self.claim.policy)

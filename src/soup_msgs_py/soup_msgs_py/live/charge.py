@@ -6,6 +6,7 @@ import secrets
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -24,14 +25,18 @@ from soup_msgs_py.wire import to_ros
 
 LOOK_S = 0.1
 ASK_AGAIN_S = 2.0
+DOUBTED_S = 2.0  # wall time after which a count of who is alive is doubted where it is not that of who is there
+COUNTED_S = 2.5  # wall time in which all who are alive say so, on a busy machine, too
 RANK_BITS = 62
 
 
 class ChargeWatch:
     """Follows who is in charge of a role.
 
-    Attributes:
-        alive: How many are, or claim to be.
+    DDS counts who is alive, one up and one down at a time. Where a publisher leaves at the moment at which it is late,
+    or speaks again, Fast DDS may miss one of them (`StatefulReader::matched_writer_remove` forgets the writer before
+    its liveliness), and counts wrong from then on: nobody would be in charge, or somebody for ever. So where fewer or
+    more are alive than are there, another subscription counts anew.
     """
 
     def __init__(self, live: Live, node: Node, manager: str, heard: Callable[[Charge], None] | None = None) -> None:
@@ -43,12 +48,20 @@ class ChargeWatch:
             manager: Name of the manager's node.
             heard: Is told every claim.
         """
-        self.alive = 0
-        self._claims = 0
-        self._heard = heard
-        events = SubscriptionEventCallbacks(liveliness=live.guard(self._on_liveliness))
-        topic = topics.of_manager(manager, topics.CHARGE)
-        live.follow(node, msg.Charge, topic, self._on_charge, ALIVE, event_callbacks=events)
+        self._live, self._node, self._heard = live, node, heard
+        self._topic = topics.of_manager(manager, topics.CHARGE)
+        self._claims: set[tuple[int, int]] = set()  # rank and term of all that were heard
+        self._before = 0  # how many were alive, while they are counted anew
+        self._counted_at = 0.0  # when the new count will be there (wall time)
+        self._known = self._confirmed = _Counts()
+        self._since = 0.0  # since when the count is as it is (wall time)
+        self._subscribe()
+        live.every(LOOK_S, self._look)
+
+    @property
+    def alive(self) -> int:
+        """How many are in charge, or claim to be."""
+        return max(self._counts.alive, self._before)
 
     @property
     def claim(self) -> int:
@@ -56,15 +69,48 @@ class ChargeWatch:
 
         Terms will not do: they begin anew where somebody takes over who has heard of nobody before.
         """
-        return self._claims if self.alive else 0
+        return len(self._claims) if self.alive else 0
 
-    def _on_liveliness(self, info: Any) -> None:
-        self.alive = info.alive_count
+    def _subscribe(self) -> None:
+        counts = self._counts = _Counts()
+
+        def on_liveliness(info: Any) -> None:
+            counts.alive = info.alive_count
+
+        def on_matched(info: Any) -> None:
+            counts.there = info.current_count
+
+        guard = self._live.guard
+        events = SubscriptionEventCallbacks(liveliness=guard(on_liveliness), matched=guard(on_matched))
+        self._subscription = self._live.follow(
+            self._node, msg.Charge, self._topic, self._on_charge, ALIVE, event_callbacks=events
+        )
+
+    def _look(self) -> None:
+        """Count anew where the count may be wrong; what then is counted once more is taken for true."""
+        wall, counts = time.monotonic(), replace(self._counts)
+        if wall < self._counted_at:
+            return
+        if self._counted_at:
+            self._counted_at, self._before, self._confirmed = 0.0, 0, counts
+        if counts != self._known:
+            self._known, self._since = counts, wall
+        sure = counts.alive == counts.there or counts == self._confirmed
+        if not sure and wall - self._since >= DOUBTED_S:
+            self._counted_at, self._before = wall + COUNTED_S, self.alive
+            self._node.destroy_subscription(self._subscription)
+            self._subscribe()
 
     def _on_charge(self, charge: Charge) -> None:
-        self._claims += 1
+        self._claims.add((charge.rank, charge.term))
         if self._heard is not None:
             self._heard(charge)
+
+
+@dataclass
+class _Counts:
+    alive: int = 0
+    there: int = 0
 
 
 class InCharge:
