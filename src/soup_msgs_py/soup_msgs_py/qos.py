@@ -7,15 +7,24 @@ from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, Reliabilit
 
 # The newest message is kept for newcomers.
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-# What a process is in charge of. Whoever follows it learns within a second that the process is gone.
-ALIVE = QoSProfile(
-    depth=20,  # claims of several that come at once, its own among them, must not push each other out
+# What a process is in charge of, which it says again and again. Whoever follows it learns within a second that the
+# process is gone.
+CLAIM = QoSProfile(
+    depth=1,
     reliability=ReliabilityPolicy.RELIABLE,
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
     liveliness=LivelinessPolicy.AUTOMATIC,
     liveliness_lease_duration=Duration(seconds=1.0),
 )
-# The same for a topic on which every process with bots speaks.
+# Its followers: claims of several that come at once, their own among them, must not push each other out.
+ALIVE = QoSProfile(
+    depth=20,
+    reliability=CLAIM.reliability,
+    durability=CLAIM.durability,
+    liveliness=CLAIM.liveliness,
+    liveliness_lease_duration=CLAIM.liveliness_lease_duration,
+)
+# What every process with bots speaks for.
 CHARGES = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # None may be lost: events, requests, replies. Deep enough for the bursts of hundreds of bots.
 EVERY_ONE = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)

@@ -6,7 +6,6 @@ import secrets
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from typing import Any
 
 from rclpy.event_handler import SubscriptionEventCallbacks
@@ -19,14 +18,15 @@ from soup_msgs_py.live.process import Live
 from soup_msgs_py.live.report import Report
 from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.messages import Charge
-from soup_msgs_py.qos import ALIVE
+from soup_msgs_py.qos import ALIVE, CLAIM
 from soup_msgs_py.succession import Standing, Succession
 from soup_msgs_py.wire import to_ros
 
 LOOK_S = 0.1
 ASK_AGAIN_S = 2.0
-DOUBTED_S = 2.0  # wall time after which a count of who is alive is doubted where it is not that of who is there
-COUNTED_S = 2.5  # wall time in which all who are alive say so, on a busy machine, too
+SAY_AGAIN_S = 0.5  # wall time between two claims of who is in charge
+HEARD_S = 1.2  # wall time after which a claim says nothing any more
+FORGOTTEN_S = 30.0  # wall time after which DDS knows nothing any more of those who are dead
 RANK_BITS = 62
 
 
@@ -35,8 +35,9 @@ class ChargeWatch:
 
     DDS counts who is alive, one up and one down at a time. Where a publisher leaves at the moment at which it is late,
     or speaks again, Fast DDS may miss one of them (`StatefulReader::matched_writer_remove` forgets the writer before
-    its liveliness), and counts wrong from then on: nobody would be in charge, or somebody for ever. So where fewer or
-    more are alive than are there, another subscription counts anew.
+    its liveliness), and counts wrong from then on: nobody would be in charge, or somebody for ever. So whoever was
+    just heard is alive in any case, and a count that has not changed for so long that all who are dead are forgotten
+    must be that of those who are there.
     """
 
     def __init__(self, live: Live, node: Node, manager: str, heard: Callable[[Charge], None] | None = None) -> None:
@@ -46,22 +47,19 @@ class ChargeWatch:
             live: The process.
             node: The node that subscribes.
             manager: Name of the manager's node.
-            heard: Is told every claim.
+            heard: Is told every claim, again and again while whoever made it is in charge.
         """
-        self._live, self._node, self._heard = live, node, heard
-        self._topic = topics.of_manager(manager, topics.CHARGE)
+        self._heard = heard
         self._claims: set[tuple[int, int]] = set()  # rank and term of all that were heard
-        self._before = 0  # how many were alive, while they are counted anew
-        self._counted_at = 0.0  # when the new count will be there (wall time)
-        self._known = self._confirmed = _Counts()
-        self._since = 0.0  # since when the count is as it is (wall time)
-        self._subscribe()
-        live.every(LOOK_S, self._look)
-
-    @property
-    def alive(self) -> int:
-        """How many are in charge, or claim to be."""
-        return max(self._counts.alive, self._before)
+        self._spoke: dict[int, float] = {}  # when they were heard last (wall time), by rank
+        self._alive = self._there = 0  # as DDS counts them
+        self._wrong = 0  # how many too many that are
+        self._changed = time.monotonic()
+        events = SubscriptionEventCallbacks(
+            liveliness=live.guard(self._on_liveliness), matched=live.guard(self._on_matched)
+        )
+        topic = topics.of_manager(manager, topics.CHARGE)
+        live.follow(node, msg.Charge, topic, self._on_charge, ALIVE, event_callbacks=events)
 
     @property
     def claim(self) -> int:
@@ -69,48 +67,32 @@ class ChargeWatch:
 
         Terms will not do: they begin anew where somebody takes over who has heard of nobody before.
         """
-        return len(self._claims) if self.alive else 0
+        return len(self._claims) if self.alive() else 0
 
-    def _subscribe(self) -> None:
-        counts = self._counts = _Counts()
+    def alive(self, own: int | None = None, *, speaks: bool = False) -> int:
+        """How many are in charge, or claim to be.
 
-        def on_liveliness(info: Any) -> None:
-            counts.alive = info.alive_count
+        Args:
+            own: A rank that does not count.
+            speaks: Whether the one with that rank claims to be in charge just now.
+        """
+        wall = time.monotonic()
+        if wall - self._changed > FORGOTTEN_S:
+            self._wrong = self._alive - self._there
+        heard = sum(wall - spoke <= HEARD_S for rank, spoke in self._spoke.items() if rank != own)
+        return max(self._alive - self._wrong - speaks, heard)
 
-        def on_matched(info: Any) -> None:
-            counts.there = info.current_count
+    def _on_liveliness(self, info: Any) -> None:
+        self._alive, self._changed = info.alive_count, time.monotonic()
 
-        guard = self._live.guard
-        events = SubscriptionEventCallbacks(liveliness=guard(on_liveliness), matched=guard(on_matched))
-        self._subscription = self._live.follow(
-            self._node, msg.Charge, self._topic, self._on_charge, ALIVE, event_callbacks=events
-        )
-
-    def _look(self) -> None:
-        """Count anew where the count may be wrong; what then is counted once more is taken for true."""
-        wall, counts = time.monotonic(), replace(self._counts)
-        if wall < self._counted_at:
-            return
-        if self._counted_at:
-            self._counted_at, self._before, self._confirmed = 0.0, 0, counts
-        if counts != self._known:
-            self._known, self._since = counts, wall
-        sure = counts.alive == counts.there or counts == self._confirmed
-        if not sure and wall - self._since >= DOUBTED_S:
-            self._counted_at, self._before = wall + COUNTED_S, self.alive
-            self._node.destroy_subscription(self._subscription)
-            self._subscribe()
+    def _on_matched(self, info: Any) -> None:
+        self._there, self._changed = info.current_count, time.monotonic()
 
     def _on_charge(self, charge: Charge) -> None:
         self._claims.add((charge.rank, charge.term))
+        self._spoke[charge.rank] = time.monotonic()
         if self._heard is not None:
             self._heard(charge)
-
-
-@dataclass
-class _Counts:
-    alive: int = 0
-    there: int = 0
 
 
 class InCharge:
@@ -141,6 +123,7 @@ class InCharge:
         self._succession = Succession(live.name, secrets.randbits(RANK_BITS), policy, time.monotonic())
         self._watch = ChargeWatch(live, node, node.get_name(), self._succession.heard)
         self._publisher: Any = None
+        self._say_due = 0.0
         self._begun = False
         self._asks = node.create_client(Trigger, self._topic(topics.HAND_OVER)) if take_over else None
         self._ask_due = 0.0
@@ -152,7 +135,7 @@ class InCharge:
         if self._begun:
             return ""
         other = self._succession.other
-        if self._watch.alive and other is not None:
+        if self._watch.alive() and other is not None:
             return f"stands by for the {other.part} that follows {other.policy}"
         return "looks whether another one is in charge"
 
@@ -161,11 +144,14 @@ class InCharge:
 
     def _look(self) -> None:
         succession, wall = self._succession, time.monotonic()
-        succession.alive(self._watch.alive - (self._publisher is not None))
+        succession.alive(self._watch.alive(succession.claim.rank, speaks=self._publisher is not None))
         # to count is slow among hundreds of bots
         looks = succession.standing is Standing.LOOKS
         if succession.look(wall, alone=looks and self._node.count_publishers(topics.CLOCK) == 0):
-            self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), ALIVE)
+            self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), CLAIM)
+            self._say_due = wall
+        if self._publisher is not None and wall >= self._say_due:
+            self._say_due = wall + SAY_AGAIN_S
             self._publisher.publish(to_ros(succession.claim))
         match succession.standing:
             case Standing.IN_CHARGE if not self._begun:
