@@ -112,7 +112,7 @@ class GoalClient:
 
     Attributes:
         client: The action client underneath.
-        signs: How many publishers of the server's node are seen, where somebody can tell.
+        signs: What is seen of the server's node, where somebody can tell.
     """
 
     def __init__(
@@ -132,9 +132,10 @@ class GoalClient:
             node: The node that asks.
             kind: Type of the action.
             name: Its name.
-            signs: How many publishers of the server's node are seen on a topic that only that node speaks on. A
-                server once found counts as there for as long as that number stays: looking it up in the graph costs
-                the more the larger the graph is, a millisecond and more among hundreds of bots.
+            signs: How many publishers of the server's node are seen on a topic that only that node speaks on, or any
+                number that changes with the server; 0 for none. A server once found counts as there for as long as
+                that number stays: looking it up in the graph costs the more the larger the graph is, a millisecond
+                and more among hundreds of bots.
             profile: Deep enough for all goals that are asked for at once.
             term: Tells one who serves the action from the one before: with the server its goals are gone.
         """

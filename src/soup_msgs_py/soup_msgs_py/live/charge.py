@@ -50,8 +50,8 @@ class ChargeWatch:
             heard: Is told every claim, again and again while whoever made it is in charge.
         """
         self._heard = heard
-        self._claims: set[tuple[int, int]] = set()  # rank and term of all that were heard
-        self._spoke: dict[int, float] = {}  # when they were heard last (wall time), by rank
+        self._claims = 0
+        self._spoke: dict[tuple[int, int], float] = {}  # claims (rank, term), and when they were heard last (wall time)
         self._alive = self._there = 0  # as DDS counts them
         self._wrong = 0  # how many too many that are
         self._changed = time.monotonic()
@@ -67,7 +67,7 @@ class ChargeWatch:
 
         Terms will not do: they begin anew where somebody takes over who has heard of nobody before.
         """
-        return len(self._claims) if self.alive() else 0
+        return self._claims if self.alive() else 0
 
     def alive(self, own: int | None = None, *, speaks: bool = False) -> int:
         """How many are in charge, or claim to be.
@@ -79,8 +79,8 @@ class ChargeWatch:
         wall = time.monotonic()
         if wall - self._changed > FORGOTTEN_S:
             self._wrong = self._alive - self._there
-        heard = sum(wall - spoke <= HEARD_S for rank, spoke in self._spoke.items() if rank != own)
-        return max(self._alive - self._wrong - speaks, heard)
+        heard = {rank for (rank, _), spoke in self._spoke.items() if rank != own and wall - spoke <= HEARD_S}
+        return max(self._alive - self._wrong - speaks, len(heard))
 
     def _on_liveliness(self, info: Any) -> None:
         self._alive, self._changed = info.alive_count, time.monotonic()
@@ -89,8 +89,11 @@ class ChargeWatch:
         self._there, self._changed = info.current_count, time.monotonic()
 
     def _on_charge(self, charge: Charge) -> None:
-        self._claims.add((charge.rank, charge.term))
-        self._spoke[charge.rank] = time.monotonic()
+        key, wall = (charge.rank, charge.term), time.monotonic()
+        if key not in self._spoke:
+            self._claims += 1
+            self._spoke = {key: spoke for key, spoke in self._spoke.items() if wall - spoke <= FORGOTTEN_S}
+        self._spoke[key] = wall
         if self._heard is not None:
             self._heard(charge)
 
