@@ -103,3 +103,10 @@ def test_a_wrong_count_is_noticed_where_nothing_changes_for_long(wires: Any, the
     assert watch.alive() == there
     wires.count(1 - there)
     assert watch.alive() == 1 - there
+
+
+def test_claims_are_forgotten(wires: Any):
+    watch = ChargeWatch(wires, wires, "fleet_manager")
+    for rank in range(1000):
+        wires.go_on(SAY_AGAIN_S, claim(1, rank))
+    assert len(watch._spoke) <= FORGOTTEN_S / SAY_AGAIN_S + 1

@@ -90,10 +90,11 @@ class ChargeWatch:
 
     def _on_charge(self, charge: Charge) -> None:
         key, wall = (charge.rank, charge.term), time.monotonic()
-        if key not in self._spoke:
+        if self._spoke.pop(key, None) is None:
             self._claims += 1
-            self._spoke = {key: spoke for key, spoke in self._spoke.items() if wall - spoke <= FORGOTTEN_S}
-        self._spoke[key] = wall
+        self._spoke[key] = wall  # the last one
+        while wall - self._spoke[first := next(iter(self._spoke))] > FORGOTTEN_S:
+            del self._spoke[first]
         if self._heard is not None:
             self._heard(charge)
 
