@@ -2,28 +2,13 @@
 
 from __future__ import annotations
 
-from rclpy.duration import Duration
-from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 # The newest message is kept for newcomers.
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-# What a process is in charge of, which it says again and again. Whoever follows it learns within a second that the
-# process is gone.
-CLAIM = QoSProfile(
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    liveliness=LivelinessPolicy.AUTOMATIC,
-    liveliness_lease_duration=Duration(seconds=1.0),
-)
-# Its followers: claims of several that come at once, their own among them, must not push each other out.
-ALIVE = QoSProfile(
-    depth=20,
-    reliability=CLAIM.reliability,
-    durability=CLAIM.durability,
-    liveliness=CLAIM.liveliness,
-    liveliness_lease_duration=CLAIM.liveliness_lease_duration,
-)
+# Followers of who is in charge: claims of several that come at once, their own among them, must not push each other
+# out.
+CLAIMS = QoSProfile(depth=20, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # What every process with bots speaks for.
 CHARGES = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # None may be lost: events, requests, replies. Deep enough for the bursts of hundreds of bots.

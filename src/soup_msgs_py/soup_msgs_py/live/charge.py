@@ -1,4 +1,4 @@
-"""Managers that stand by and take over, and how others notice: over DDS liveliness."""
+"""Managers that stand by and take over, and how others notice."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from soup_msgs import msg
 from std_srvs.srv import Trigger
@@ -18,26 +17,26 @@ from soup_msgs_py.live.process import Live
 from soup_msgs_py.live.report import Report
 from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.messages import Charge
-from soup_msgs_py.qos import ALIVE, CLAIM
+from soup_msgs_py.qos import CLAIMS, LATCHED
 from soup_msgs_py.succession import Standing, Succession
 from soup_msgs_py.wire import to_ros
 
 LOOK_S = 0.1
 ASK_AGAIN_S = 2.0
 SAY_AGAIN_S = 0.5  # wall time between two claims of who is in charge
-HEARD_S = 1.2  # wall time after which a claim says nothing any more
-FORGOTTEN_S = 30.0  # wall time after which DDS knows nothing any more of those who are dead
+SILENT_S = 3.0  # wall time after which who is silent is gone; the world goes on without managers after some more
+BUSY_S = 1.0  # wall time; a process that has not looked for so long was stopped or busy
+FORGOTTEN_S = 30.0  # wall time after which a claim that was heard is forgotten
 RANK_BITS = 62
 
 
 class ChargeWatch:
     """Follows who is in charge of a role.
 
-    DDS counts who is alive, one up and one down at a time. Where a publisher leaves at the moment at which it is late,
-    or speaks again, Fast DDS may miss one of them (`StatefulReader::matched_writer_remove` forgets the writer before
-    its liveliness), and counts wrong from then on: nobody would be in charge, or somebody for ever. So whoever was
-    just heard is alive in any case, and a count that has not changed for so long that all who are dead are forgotten
-    must be that of those who are there.
+    Whoever is in charge says so again and again, and is taken for gone when its publisher is, or when it is silent.
+    DDS liveliness would tell as much, but Fast DDS 2.14 loses count of who is alive where a publisher leaves while it
+    is late (`StatefulReader::matched_writer_remove`), and to take its events may block the process for good
+    (`RMWSubscriptionEvent::take_event` and the thread that reports another one wait for each other).
     """
 
     def __init__(self, live: Live, node: Node, manager: str, heard: Callable[[Charge], None] | None = None) -> None:
@@ -52,14 +51,9 @@ class ChargeWatch:
         self._heard = heard
         self._claims = 0
         self._spoke: dict[tuple[int, int], float] = {}  # claims (rank, term), and when they were heard last (wall time)
-        self._alive = self._there = 0  # as DDS counts them
-        self._wrong = 0  # how many too many that are
-        self._changed = time.monotonic()
-        events = SubscriptionEventCallbacks(
-            liveliness=live.guard(self._on_liveliness), matched=live.guard(self._on_matched)
-        )
+        self._looked = time.monotonic()
         topic = topics.of_manager(manager, topics.CHARGE)
-        live.follow(node, msg.Charge, topic, self._on_charge, ALIVE, event_callbacks=events)
+        self._subscription = live.follow(node, msg.Charge, topic, self._on_charge, CLAIMS)
 
     @property
     def claim(self) -> int:
@@ -77,16 +71,11 @@ class ChargeWatch:
             speaks: Whether the one with that rank claims to be in charge just now.
         """
         wall = time.monotonic()
-        if wall - self._changed > FORGOTTEN_S:
-            self._wrong = self._alive - self._there
-        heard = {rank for (rank, _), spoke in self._spoke.items() if rank != own and wall - spoke <= HEARD_S}
-        return max(self._alive - self._wrong - speaks, len(heard))
-
-    def _on_liveliness(self, info: Any) -> None:
-        self._alive, self._changed = info.alive_count, time.monotonic()
-
-    def _on_matched(self, info: Any) -> None:
-        self._there, self._changed = info.current_count, time.monotonic()
+        missed, self._looked = wall - self._looked, wall
+        if missed > BUSY_S:  # who does not listen hears nobody
+            self._spoke = {key: spoke + missed for key, spoke in self._spoke.items()}
+        heard = {rank for (rank, _), spoke in self._spoke.items() if rank != own and wall - spoke <= SILENT_S}
+        return min(len(heard), self._subscription.get_publisher_count() - speaks)
 
     def _on_charge(self, charge: Charge) -> None:
         key, wall = (charge.rank, charge.term), time.monotonic()
@@ -152,7 +141,7 @@ class InCharge:
         # to count is slow among hundreds of bots
         looks = succession.standing is Standing.LOOKS
         if succession.look(wall, alone=looks and self._node.count_publishers(topics.CLOCK) == 0):
-            self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), CLAIM)
+            self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), LATCHED)
             self._say_due = wall
         if self._publisher is not None and wall >= self._say_due:
             self._say_due = wall + SAY_AGAIN_S
