@@ -46,8 +46,7 @@ class Watch:
     @property
     def wants_places(self) -> bool:
         """Whether the fleet has to see where bots stand."""
-        to_be_found = bool(self.lost) and any(bot in self._idle_at for bot in self.lost)
-        return bool(self.unplaced or self._struck) or to_be_found
+        return bool(self.unplaced or self._struck) or any(bot in self._idle_at for bot in self.lost)
 
     @property
     def silent(self) -> set[int]:
@@ -80,10 +79,7 @@ class Watch:
 
     def struck(self, seen_at: float) -> list[Robot]:
         """Bots that have not told that a collision stopped them, and were seen since; they are told of once."""
-        struck = sorted(bot for bot, until in self._struck.items() if until <= seen_at)
-        for bot in struck:
-            del self._struck[bot]
-        return [self._robots[bot] for bot in struck]
+        return self._over(self._struck, seen_at)
 
     def heard(self, status: BotStatus, now: float) -> None:
         """A bot said what it does."""
@@ -115,10 +111,14 @@ class Watch:
 
     def deaf(self, now: float) -> list[Robot]:
         """Bots that have not said that they stopped; they are told of once."""
-        deaf = sorted(bot for bot, until in self._stopping.items() if until <= now)
-        for bot in deaf:
-            del self._stopping[bot]
-        return [self._robots[bot] for bot in deaf]
+        return self._over(self._stopping, now)
+
+    def _over(self, until: dict[int, float], now: float) -> list[Robot]:
+        """Take those out whose time is over."""
+        over = sorted(bot for bot, end in until.items() if end <= now)
+        for bot in over:
+            del until[bot]
+        return [self._robots[bot] for bot in over]
 
     # ---- bots that are lost and found ----------------------------------------------------------------------
 

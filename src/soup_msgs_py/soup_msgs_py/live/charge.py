@@ -73,7 +73,7 @@ class ChargeWatch:
         wall = time.monotonic()
         missed, self._looked = wall - self._looked, wall
         if missed > BUSY_S:  # who does not listen hears nobody
-            self._spoke = {key: spoke + missed for key, spoke in self._spoke.items()}
+            self._spoke = {key: min(wall, spoke + missed) for key, spoke in self._spoke.items()}
         heard = {rank for (rank, _), spoke in self._spoke.items() if rank != own and wall - spoke <= SILENT_S}
         return min(len(heard), self._subscription.get_publisher_count() - speaks)
 
