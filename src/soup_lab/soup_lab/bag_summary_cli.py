@@ -12,8 +12,10 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from soup_lab.bag_course import Course, read_course
+from soup_lab.bag_judge import Verdict, judge_course
 from soup_lab.bag_reader import Bag, open_bag
-from soup_lab.bag_summary import Course, differences, read_course, summarize
+from soup_lab.bag_summary import differences, summarize
 from soup_msgs_py import arguments as args
 from soup_msgs_py.errors import InputError
 from soup_sim.summary import table, write_summary
@@ -39,8 +41,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         theirs = read_summary(options.compare) if options.compare is not None else None
         with open_bag(options.folder.absolute()) as bag:
             course = read_course(bag)
-            summary = summarize(course, options.warmup)
-            told = tell(bag, course)
+            verdict = judge_course(course)
+            summary = summarize(course, options.warmup, verdict)
+            told = tell(bag, course, verdict)
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
@@ -70,8 +73,8 @@ def read_summary(path: Path) -> dict[str, Any]:
     return summary
 
 
-def tell(bag: Bag, course: Course) -> str:
-    """How complete a bag is."""
+def tell(bag: Bag, course: Course, verdict: Verdict) -> str:
+    """How complete a bag is, and how far its run is judged."""
     dropped = sum(json.loads(bag.notes.get("dropped", "{}")).values())
     lines = [f"{sum(bag.counts.values()):,} messages on {len(bag.counts)} topics, {dropped} dropped"]
     if course.missing:
@@ -80,6 +83,10 @@ def tell(bag: Bag, course: Course) -> str:
         lines.append(f"the world was started again {course.restarts} times")
     if course.start is not None and course.start.time > 0.0:
         lines.append(f"the bag begins at {course.start.time:g} s")
+    for name, count in sorted(course.senseless.items()):
+        lines.append(f"{count} messages on {name} make no sense and are left out")
+    if verdict.why:
+        lines.append(verdict.why)
     return "; ".join(lines)
 
 

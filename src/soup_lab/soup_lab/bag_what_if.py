@@ -9,8 +9,9 @@ from typing import Any
 from rich.table import Table
 from soup_msgs import msg
 
+from soup_lab.bag_course import Course, read_course
 from soup_lab.bag_reader import Bag
-from soup_lab.bag_summary import Course, read_course, summarize
+from soup_lab.bag_summary import summarize
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import WorldState
@@ -123,7 +124,12 @@ def beside(original: dict[str, Any], other: dict[str, Any], begin: float) -> Tab
     for role in ROLES:
         shown.add_row(f"{role} policy", original["policies"][role], other["policies"][role])
     for key in SHOWN:
-        shown.add_row(
-            key, *(f"{s[key]:,.4f}" if isinstance(s[key], float) else f"{s[key]:,}" for s in (original, other))
-        )
+        shown.add_row(key, *(_written(s[key]) for s in (original, other)))
     return shown
+
+
+def _written(value: float | None) -> str:
+    """A figure as text; what was not judged is no number."""
+    if value is None:
+        return "not judged"
+    return f"{value:,.4f}" if isinstance(value, float) else f"{value:,}"

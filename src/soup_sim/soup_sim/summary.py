@@ -24,7 +24,7 @@ KEYS = (
 
 
 def make_summary(
-    figures: Mapping[str, Any], scenario: Scenario, policies: Policies, seed: int, violations: int
+    figures: Mapping[str, Any], scenario: Scenario, policies: Policies, seed: int, violations: int | None
 ) -> dict[str, Any]:
     """All keys of a summary, in their order.
 
@@ -33,7 +33,7 @@ def make_summary(
         scenario: The scenario of the run.
         policies: Its policies.
         seed: Its seed.
-        violations: Broken laws that the judge has counted.
+        violations: Broken laws that the judge has counted; None where he could not judge.
     """
     values = {
         **figures,
@@ -73,6 +73,8 @@ def table(summary: Mapping[str, Any]) -> Table:
             text = f"{value:,.4f}" if abs(value) < 100 else f"{value:,.1f}"
         elif isinstance(value, dict):
             text = ", ".join(f"{role} {name}" for role, name in value.items())
+        elif value is None:
+            text = "not judged" if key == "violations" else "not known"
         else:
             text = f"{value:,}" if isinstance(value, int) else str(value)
         shown.add_row(key, text)

@@ -119,8 +119,15 @@ def from_ros(message: Any) -> Any:
 
 
 def read_cdr(cdr: bytes, kind: type) -> Any:
-    """The ROS message, of a class, in serialized form."""
-    return deserialize_message(cdr, kind)
+    """The ROS message, of a class, in serialized form.
+
+    Raises:
+        MalformedMessage: It is none of that class.
+    """
+    try:
+        return deserialize_message(cdr, kind)
+    except (RuntimeError, UnicodeDecodeError) as error:  # the RMW's own error is a RuntimeError
+        raise MalformedMessage(f"{len(cdr)} bytes that are no {kind.__name__}") from error
 
 
 def from_cdr(cdr: bytes, kind: type) -> Any:
