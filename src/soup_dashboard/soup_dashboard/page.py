@@ -12,9 +12,9 @@ from pathlib import Path
 
 import uvicorn
 from fastapi import FastAPI
-from nicegui import ui
-from starlette.middleware.trustedhost import TrustedHostMiddleware
+from nicegui import core, ui
 
+from soup_dashboard.door import Door
 from soup_dashboard.store import Store
 
 HOST = "127.0.0.1"
@@ -31,7 +31,8 @@ class Server:
         """Begin to serve what the store holds, on a TCP port of this machine."""
         os.environ["OTEL_SDK_DISABLED"] = "true"  # FastAPI would report to a collector that the environment names
         app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
-        app.add_middleware(TrustedHostMiddleware, allowed_hosts=NAMES)
+        app.add_middleware(Door, names=NAMES)
+        core.sio.eio.cors_allowed_origins = []  # NiceGUI would give every site leave to read; this one gives none
         ui.page("/")(lambda: show(store))
         ui.run_with(
             app, title="Alphabet Soup", dark=True, tailwind=False, message_history_length=0, show_welcome_message=False
