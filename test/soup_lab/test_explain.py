@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 
 from soup_lab.headless_cli import main
+from soup_managers.explain import DECISIONS
+from soup_msgs_py.tiles import parse_tile
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -19,8 +21,8 @@ def explained(tmp_path: Path, policies: str) -> list[dict]:
 
 def test_each_decision_of_the_best_policies_is_told_with_its_alternatives(tmp_path):
     entries = explained(tmp_path, "best.yaml")
-    expected = {"words", "letters", "bundles", "buckets", "bots", "onward", "storage"}
-    assert {entry["decision"] for entry in entries} == expected
+    assert {entry["decision"] for entry in entries} == DECISIONS.keys() - {"trips"}
+    assert all(entry.keys() >= set(DECISIONS[entry["decision"]].about) for entry in entries)
     times = [entry["time"] for entry in entries]
     assert times == sorted(times)
     assert all(0.0 <= time <= 200.0 for time in times)
@@ -37,7 +39,18 @@ def test_what_was_chosen_is_the_best_where_nothing_stood_in_its_way(tmp_path):
 def test_the_trips_of_the_papers_minimal_fleet_are_told_too(tmp_path):
     entries = explained(tmp_path, "minimal.yaml")
     trips = [entry for entry in entries if entry["decision"] == "trips"]
-    assert trips and all({"bot", "station", "spot", "chosen"} <= entry.keys() for entry in trips)
+    assert trips and all({*DECISIONS["trips"].about, "chosen"} <= entry.keys() for entry in trips)
+
+
+def test_words_and_tiles_are_spelt_beside_their_numbers(tmp_path):
+    entries = explained(tmp_path, "best.yaml")
+    words = [entry for entry in entries if entry["decision"] == "words"]
+    letters = [entry for entry in entries if entry["decision"] == "letters"]
+    assert words and all(len(entry["name"]) > 1 and entry["name"].isalpha() for entry in words)
+    assert all(other["name"].isalpha() for entry in words for other in entry["alternatives"])
+    assert letters and all(parse_tile(entry["name"]) == entry["chosen"] for entry in letters)
+    bundles = [entry for entry in entries if entry["decision"] == "bundles"]
+    assert all(parse_tile(entry["tile_name"]) == entry["tile"] for entry in bundles)
 
 
 def test_decisions_of_many_runs_go_into_no_one_file(tmp_path, capsys):

@@ -4,14 +4,54 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from soup_msgs_py.tiles import tile_name
+
 ALTERNATIVES = 5
 
 Sink = Callable[[dict[str, Any]], None]
+
+
+@dataclass(frozen=True)
+class Decision:
+    """What a line about a decision says.
+
+    Attributes:
+        chosen: What `chosen` and each `choice` number.
+        about: The keys that tell what it is for.
+        score: What the scores are.
+    """
+
+    chosen: str
+    about: tuple[str, ...]
+    score: str
+
+
+BY_POLICY = "as the policy gives them: see `docs/reference/policies.md`"
+DECISIONS = {
+    "words": Decision(
+        "a waiting word, which is opened",
+        ("station",),
+        "`served`: share of its letters that are at the station or come anyway; `in_stock`: minus the letters that are "
+        "not there; `minimal` says nothing",
+    ),
+    "letters": Decision("a tile kind, of which a bundle is to come", (), "how many tiles are lacking"),
+    "bundles": Decision("the letter station that gets a bundle", ("tile",), "its free places"),
+    "buckets": Decision("a bucket, which is fetched for a station", ("station",), BY_POLICY),
+    "bots": Decision("the bot that fetches a bucket", ("bucket",), "minus the cost that the policy gives"),
+    "onward": Decision("the station that a bucket on a bot goes to next; -1: none", ("bot", "bucket"), BY_POLICY),
+    "storage": Decision(
+        "the waypoint where a bucket is stored; -1: none can be reached now",
+        ("bot", "bucket"),
+        "minus the cost that the policy gives, and more where it would bury others",
+    ),
+    "trips": Decision("the bucket of a whole trip of the minimal fleet", ("bot", "station", "spot"), "none"),
+}
 
 
 class Explain:
@@ -31,6 +71,7 @@ class Explain:
         chosen: int,
         scores: NDArray[Any],
         names: NDArray[Any] | None = None,
+        spelt: Callable[[int], str] | None = None,
         **about: int,
     ) -> None:
         """Tell a choice.
@@ -39,16 +80,24 @@ class Explain:
             decision: Which decision.
             chosen: The name of what was chosen, -1 for nothing.
             scores: Of all alternatives, the highest is the best; those that are not finite or 0 are left out.
-            names: What the alternatives are called; their index if not given.
+            names: The numbers of the alternatives; their index if not given.
+            spelt: What a number stands for in words, where it stands for a word or a tile.
             about: What the choice is for.
         """
         if self._sink is None:
             return
         best = [k for k in np.argsort(-scores, kind="stable")[:ALTERNATIVES].tolist() if _counts(float(scores[k]))]
         called = names if names is not None else np.arange(len(scores))
-        alternatives = [{"choice": int(called[k]), "score": round(float(scores[k]), 6)} for k in best]
-        entry = {"time": round(self.now, 6), "decision": decision, **about, "chosen": int(chosen)}
-        self._sink({**entry, "alternatives": alternatives})
+
+        def name(number: int) -> dict[str, str]:
+            return {"name": spelt(number)} if spelt is not None and number >= 0 else {}
+
+        alternatives = [
+            {"choice": int(called[k]), **name(int(called[k])), "score": round(float(scores[k]), 6)} for k in best
+        ]
+        tile = {"tile_name": tile_name(about["tile"])} if "tile" in about else {}
+        entry = {"time": round(self.now, 6), "decision": decision, **about, **tile, "chosen": int(chosen)}
+        self._sink({**entry, **name(int(chosen)), "alternatives": alternatives})
 
 
 def write_lines(file: IO[str]) -> Sink:

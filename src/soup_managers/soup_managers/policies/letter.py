@@ -11,6 +11,7 @@ from soup_managers.explain import Explain
 from soup_managers.view import WarehouseView
 from soup_msgs_py.layout import Floats
 from soup_msgs_py.messages import AssignBundle
+from soup_msgs_py.tiles import tile_name
 
 
 class LetterPolicy(ABC):
@@ -101,13 +102,13 @@ class Minimal(LetterPolicy):
         shortage = view.wanted - view.stock
         kind = int(shortage.argmax())
         if shortage[kind] > 0:
-            self.explain.choice("letters", kind, np.maximum(shortage, 0))
+            self.explain.choice("letters", kind, np.maximum(shortage, 0), spelt=tile_name)
             return kind
         gap = target - view.stock
         kind = int(gap.argmax())
         # the sum of many small gaps must not fill the buckets with what nobody asks for
         if gap[kind] > 0 and gap.sum() > 0:
-            self.explain.choice("letters", kind, gap)
+            self.explain.choice("letters", kind, gap, spelt=tile_name)
             return kind
         return -1
 
@@ -127,7 +128,7 @@ class Ahead(Minimal):
                 for tile in word.tiles:
                     left[tile] -= 1
                     if left[tile] < 0:
-                        self.explain.choice("letters", tile, np.maximum(-left, 0))
+                        self.explain.choice("letters", tile, np.maximum(-left, 0), spelt=tile_name)
                         return tile
         return super().choose_kind(view, target, rng)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -68,7 +68,7 @@ class InStock(WordPolicy):
                 best, least = word.word, lacks
             if lacks == 0:
                 break
-        self.explain.choice("words", best, np.array([-least]), np.array([best]), station=station)
+        self.explain.choice("words", best, np.array([-least]), np.array([best]), _spelt(view), station=station)
         return AssignWord(best, station)
 
 
@@ -97,8 +97,13 @@ class Served(WordPolicy):
         served = np.add.reduceat((spare[tiles] > before).astype(np.int64), np.cumsum(lengths) - lengths)
         shares = served / lengths
         best = int(numbers[shares.argmax()])
-        self.explain.choice("words", best, shares, numbers, station=station)
+        self.explain.choice("words", best, shares, numbers, _spelt(view), station=station)
         return AssignWord(best, station)
+
+
+def _spelt(view: WarehouseView) -> Callable[[int], str]:
+    """How a waiting word reads."""
+    return lambda word: view.waiting_words[word].text
 
 
 def _letters(tiles: tuple[int, ...]) -> tuple[Ints, Ints]:
