@@ -39,7 +39,7 @@ def test_one_command_runs_sixteen_nodes_that_assemble_words(parts: Parts):
         person.wait(lambda: person.nodes() >= NODES, "sixteen nodes are in the graph")
     out, err = warehouse.communicate(timeout=400)
     assert warehouse.returncode == 0, err
-    assert "words_completed" in out
+    assert "words completed" in out
     summary = json.loads((parts.folder / "out.json").read_text())
     assert summary["sim_seconds"] == 200.0
     assert summary["words_completed"] > 0

@@ -78,7 +78,7 @@ def test_before_a_world_is_heard_of_there_is_no_floor_and_nothing_on_it():
         "bots": None,
         "buckets": None,
         "stations": [],
-        "figures": {},
+        "figures": [],
         "completed": [],
     }
 
@@ -140,17 +140,18 @@ def test_only_the_latest_completed_words_are_kept(store: Store):
     assert texts == [f"word {word}" for word in reversed(range(5, LATEST_WORDS + 5))]
 
 
-def test_figures_have_the_names_of_the_summary(store: Store):
-    store.take_figures({"words_completed": 3, "words_per_second": 0.123456})
-    assert shown(store)["figures"] == {
-        "words_completed": 3,
-        "words_per_second": 0.1235,
-        "bots": 2,
-        "buckets": 1,
-        "word_stations": 1,
-        "letter_stations": 1,
-        "scenario": "small",
-    }
+def test_figures_are_told_in_the_words_and_units_of_the_table(store: Store):
+    store.take_figures({"words_completed": 3, "words_per_second": 0.123456, "fraction_of_bound": 0.5})
+    assert shown(store)["figures"] == [
+        ["words_completed", "words completed", "3", ""],
+        ["words_per_second", "word rate", "0.123", "words/s"],
+        ["fraction_of_bound", "share of the bound", "50", "%"],
+        ["bots", "bots", "2", ""],
+        ["buckets", "buckets", "1", ""],
+        ["word_stations", "word stations", "1", ""],
+        ["letter_stations", "letter stations", "1", ""],
+        ["scenario", "scenario", "small", ""],
+    ]
 
 
 def test_a_new_world_makes_the_old_one_forgotten(store: Store):

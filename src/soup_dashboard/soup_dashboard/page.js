@@ -101,16 +101,12 @@ const warehouse = (() => {
     return target;
   }
 
-  function written(value) {
-    return typeof value === "number" ? value.toLocaleString("en", { maximumFractionDigits: 4 }) : value;
-  }
-
   function tell() {
     if (!frame || !element("figures")) return;
     text("clock", `${frame.time.toLocaleString("en", { minimumFractionDigits: 1, maximumFractionDigits: 1 })} s simulated`);
     const figures = refill("figures");
-    for (const [key, value] of Object.entries(frame.figures)) {
-      row(figures, [key, written(value)]).className = key === "violations" && value > 0 ? "broken" : "";
+    for (const [key, words, value, unit] of frame.figures) {
+      row(figures, [words, `${value} ${unit}`]).className = key === "violations" && value !== "0" ? "broken" : "";
     }
     const completed = refill("completed");
     for (const [time, station, word] of frame.completed) row(completed, [word, `station ${station}`, `${time.toFixed(1)} s`]);

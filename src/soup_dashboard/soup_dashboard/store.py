@@ -8,6 +8,7 @@ from collections import deque
 from typing import Any
 
 from soup_msgs_py.codes import EventType
+from soup_msgs_py.figures import rows
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets, Event, Stations, Word
 from soup_msgs_py.scenario import Scenario
@@ -16,7 +17,6 @@ from soup_msgs_py.tiles import tile_name
 LATEST_WORDS = 12  # completed words on the page
 METRE_DIGITS = 2
 RADIAN_DIGITS = 2
-FIGURE_DIGITS = 4
 
 
 class Store:
@@ -115,13 +115,12 @@ class Store:
         self._completed: deque[list[float | int | str]] = deque(maxlen=LATEST_WORDS)
 
     def _contents(self) -> dict[str, Any]:
-        figures = {name: _short(value) for name, value in self._figures.items()}
         return {
             "time": self._bots.time if self._bots else 0.0,
             "bots": _bots(self._bots) if self._bots else None,
             "buckets": _buckets(self._buckets) if self._buckets else None,
             "stations": _stations(self._stations) if self._stations else [],
-            "figures": {**figures, **self._sizes},
+            "figures": [list(row) for row in rows({**self._figures, **self._sizes})],
             "completed": list(self._completed),
         }
 
@@ -176,7 +175,3 @@ def _stations(stations: Stations) -> list[dict[str, Any]]:
 def _marks(word: Word) -> list[int]:
     """For each letter 1 where it is in place."""
     return [int(there) for there in word.filled] or [0] * len(word.tiles)
-
-
-def _short(value: float | int) -> float | int:
-    return round(value, FIGURE_DIGITS) if isinstance(value, float) else value

@@ -18,6 +18,7 @@ from soup_lab.bag_reader import Bag, open_bag
 from soup_lab.bag_summary import differences, summarize
 from soup_msgs_py import arguments as args
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.figures import known
 from soup_sim.summary import table, write_summary
 
 FIGURES = "a summary that --summary has written"
@@ -97,7 +98,8 @@ def compare(console: Console, ours: dict[str, Any], theirs: dict[str, Any]) -> i
     if found:
         shown = Table("figure", "bag", "summary", "", title="Differences", title_justify="left")
         for key, value, other, is_counted in found:
-            shown.add_row(key, str(value), str(other), "" if is_counted else "measured from places in the bag")
+            how = "" if is_counted else "measured from places in the bag"
+            shown.add_row(known(key).words, str(value), str(other), how)
         console.print(shown)
     console.print(f"{len(ours) - len(found)} figures are equal, {counted} counted ones differ", highlight=False)
     return 1 if counted else 0

@@ -14,6 +14,7 @@ from soup_lab.bag_reader import Bag
 from soup_lab.bag_summary import summarize
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.figures import known, told
 from soup_msgs_py.messages import WorldState
 from soup_msgs_py.policies import NONE, ROLES, Policies, PolicyChoice, policies_of
 from soup_msgs_py.scenario import load_words
@@ -118,18 +119,12 @@ def _read_state(bag: Bag, cdr: bytes) -> WorldState:
 def beside(original: dict[str, Any], other: dict[str, Any], begin: float) -> Table:
     """The recorded figures and the new ones side by side."""
     title = f"From {begin:g} s to {other['sim_seconds']:g} s"
-    shown = Table("figure", "recorded", "what if", title=title, title_justify="left")
-    for column in shown.columns[1:]:
+    shown = Table("figure", "recorded", "what if", "unit", title=title, title_justify="left")
+    for column in shown.columns[1:3]:
         column.justify = "right"
     for role in ROLES:
-        shown.add_row(f"{role} policy", original["policies"][role], other["policies"][role])
+        shown.add_row(f"policy, {role}", original["policies"][role], other["policies"][role])
     for key in SHOWN:
-        shown.add_row(key, *(_written(s[key]) for s in (original, other)))
+        figure = known(key)
+        shown.add_row(figure.words, told(key, original[key]), told(key, other[key]), figure.unit)
     return shown
-
-
-def _written(value: float | None) -> str:
-    """A figure as text; what was not judged is no number."""
-    if value is None:
-        return "not judged"
-    return f"{value:,.4f}" if isinstance(value, float) else f"{value:,}"

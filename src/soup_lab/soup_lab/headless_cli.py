@@ -15,6 +15,7 @@ from soup_lab.headless import Headless, make_minds
 from soup_lab.runs import RunPlan, Summary, combine, open_log, run_many, run_once
 from soup_msgs_py import arguments as args
 from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.figures import rows, told
 from soup_msgs_py.policies import ROLES, load_policies, usual_policies
 from soup_sim.setup import load_warehouse
 from soup_sim.summary import table, write_summary
@@ -159,9 +160,10 @@ def _several(plan: RunPlan, options: argparse.Namespace, console: Console) -> Su
             summaries.append(summary)
             bar.advance(task)
     combined = combine(summaries)
-    shown = Table("figure", "mean", "± 95 %", title=f"{len(seeds)} replications", title_justify="left")
-    for key, width in combined["interval_95"].items():
-        shown.add_row(key, f"{combined[key]:,.4f}", f"{width:,.4f}")
-    shown.add_row("violations", str(combined["violations"]), "")
+    shown = Table("figure", "mean", "± 95 %", "unit", title=f"{len(seeds)} replications", title_justify="left")
+    shown.columns[1].justify = shown.columns[2].justify = "right"
+    for key, words, mean, unit in rows({key: combined[key] for key in combined["interval_95"]}):
+        shown.add_row(words, mean, told(key, combined["interval_95"][key]), unit)
+    shown.add_row("violations", told("violations", combined["violations"]), "", "in all runs")
     Console().print(shown)
     return combined

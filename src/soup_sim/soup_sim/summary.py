@@ -1,4 +1,4 @@
-"""The summary of a run: one JSON file and one table, the same keys for every way of running."""
+"""The summary of a run: one JSON file and one table, the same figures for every way of running."""
 
 from __future__ import annotations
 
@@ -10,17 +10,11 @@ from typing import Any
 
 from rich.table import Table
 
+from soup_msgs_py.figures import FIGURES, rows
 from soup_msgs_py.policies import ROLES, Policies
 from soup_msgs_py.scenario import Scenario
 
-KEYS = (
-    "sim_seconds", "wall_seconds", "real_time_factor", "words_completed", "letters_in_words", "words_per_second",
-    "word_rate_bound", "fraction_of_bound", "letters_dispensed", "distance_total_m", "distance_mean_m", "grabs",
-    "releases", "bot_collisions", "bucket_collisions", "bot_idle_fraction", "bucket_fill_mean", "pile_on_word",
-    "pile_on_letter", "word_station_idle_fraction", "letter_station_idle_fraction", "inventory_fill_start",
-    "inventory_fill_end", "bots", "buckets", "word_stations", "letter_stations", "scenario", "policies", "seed",
-    "violations", "station_policies",
-)  # fmt: skip
+KEYS = tuple(FIGURES)
 
 
 def make_summary(
@@ -66,18 +60,11 @@ def write_summary(path: str | Path, summary: Mapping[str, Any]) -> None:
 
 def table(summary: Mapping[str, Any]) -> Table:
     """A summary as a table for the screen."""
-    shown = Table("figure", "value", title=f"Warehouse {summary['scenario']}", title_justify="left")
+    shown = Table("figure", "value", "unit", title=f"Warehouse {summary['scenario']}", title_justify="left")
     shown.columns[1].justify = "right"
-    for key, value in summary.items():
-        if isinstance(value, float):
-            text = f"{value:,.4f}" if abs(value) < 100 else f"{value:,.1f}"
-        elif isinstance(value, dict):
-            text = ", ".join(f"{role} {name}" for role, name in value.items())
-        elif value is None:
-            text = "not judged" if key == "violations" else "not known"
-        else:
-            text = f"{value:,}" if isinstance(value, int) else str(value)
-        shown.add_row(key, text)
+    for key, words, value, unit in rows(summary):
+        is_fault = key == "violations" and bool(summary[key])
+        shown.add_row(words, value, unit, style="bold red" if is_fault else None)
     return shown
 
 

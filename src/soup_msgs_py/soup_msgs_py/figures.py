@@ -1,0 +1,106 @@
+"""The figures of a run: for each key of a summary its words, its unit and what it means, and how its value is written.
+
+One source for the table on the screen, the page and `docs/reference/figures.md`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+SHARE = "%"  # of a figure that is a share, 0 to 1
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What a person needs to read a value.
+
+    Attributes:
+        words: What the figure is called where a person reads it.
+        unit: Of the value as it is shown; a share is shown in percent. Empty for counts and names.
+        meaning: How it is counted.
+    """
+
+    words: str
+    unit: str
+    meaning: str
+
+
+FIGURES = {
+    "sim_seconds": Figure("simulated time", "s", "from the start of the run, warm-up included"),
+    "wall_seconds": Figure("wall time", "s", "that the run took"),
+    "real_time_factor": Figure("real-time factor", "", "simulated seconds for each wall second"),
+    "words_completed": Figure("words completed", "", "all words that were finished after the warm-up"),
+    "letters_in_words": Figure("letters in them", "", "letters of the completed words"),
+    "words_per_second": Figure("word rate", "words/s", "words completed for each simulated second after the warm-up"),
+    "word_rate_bound": Figure(
+        "bound of the word rate", "words/s", "what the word stations could do if letters were always at hand"
+    ),
+    "fraction_of_bound": Figure("share of the bound", SHARE, "word rate over its bound"),
+    "letters_dispensed": Figure("letters dispensed", "", "tiles that letter stations put into buckets"),
+    "distance_total_m": Figure("distance, all bots", "m", "driven by all bots together"),
+    "distance_mean_m": Figure("distance, mean bot", "m", "driven by one bot on average"),
+    "grabs": Figure("grabs", "", "buckets lifted"),
+    "releases": Figure("releases", "", "buckets set down"),
+    "bot_collisions": Figure("bot collisions", "", "of a bot with a bot"),
+    "bucket_collisions": Figure("bucket collisions", "", "of a carried bucket with another bucket"),
+    "bot_idle_fraction": Figure("bots idle", SHARE, "share of the bots' time without a request under way"),
+    "bucket_fill_mean": Figure("buckets, mean fill", SHARE, "tiles over capacity, mean over time and buckets"),
+    "pile_on_word": Figure("pile-on, word stations", "tiles/visit", "tiles transferred for each visit of a bucket"),
+    "pile_on_letter": Figure("pile-on, letter stations", "tiles/visit", "tiles transferred for each visit of a bucket"),
+    "word_station_idle_fraction": Figure("word stations idle", SHARE, "share of their time without a transfer"),
+    "letter_station_idle_fraction": Figure("letter stations idle", SHARE, "share of their time without a transfer"),
+    "inventory_fill_start": Figure("stock at the start", SHARE, "tiles over the capacity of all buckets"),
+    "inventory_fill_end": Figure("stock at the end", SHARE, "tiles over the capacity of all buckets"),
+    "bots": Figure("bots", "", "of the scenario"),
+    "buckets": Figure("buckets", "", "of the scenario"),
+    "word_stations": Figure("word stations", "", "of the scenario"),
+    "letter_stations": Figure("letter stations", "", "of the scenario"),
+    "scenario": Figure("scenario", "", "its name"),
+    "policies": Figure("policy", "", "the name of the policy of each role: word, letter, fleet, bot"),
+    "seed": Figure("seed", "", "of all random numbers"),
+    "violations": Figure("violations", "", "broken conservation laws, found by the judge; anything but 0 is a fault"),
+    "station_policies": Figure("station policy", "", "what word stations and letter stations do next by themselves"),
+}
+# Of a running world only, on /world/statistics.
+LIVE_FIGURES = {
+    "refused_requests": Figure("refused requests", "", "requests that the world answered with no"),
+    "malformed_messages": Figure("malformed messages", "", "messages that made no sense and were dropped"),
+}
+
+
+def known(key: str) -> Figure:
+    """The figure of a key; of one that nobody has described, its own key in words."""
+    return FIGURES.get(key) or LIVE_FIGURES.get(key) or Figure(key.replace("_", " "), "", "")
+
+
+def rows(figures: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
+    """Figures as a person reads them, one row each: key, words, value, unit."""
+    for key, value in figures.items():
+        figure = known(key)
+        if isinstance(value, Mapping):
+            for part, name in value.items():
+                yield key, f"{figure.words}, {part.replace('_', ' ')}", written(name), ""
+        else:
+            yield key, figure.words, told(key, value), figure.unit
+
+
+def told(key: str, value: Any) -> str:
+    """The value of a figure as a person reads it, in the figure's unit."""
+    if key == "violations" and value is None:
+        return "not judged"
+    return str(value) if key == "seed" else written(value, known(key).unit)
+
+
+def written(value: Any, unit: str = "") -> str:
+    """A value in the unit of its figure: counts whole, measured ones to three digits, at least to whole ones."""
+    if value is None:
+        return "not known"
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return str(value)
+    if unit == SHARE:
+        value = 100.0 * value
+    if isinstance(value, int) or abs(value) >= 100.0:
+        return f"{value:,.0f}"
+    return f"{value:.3g}"

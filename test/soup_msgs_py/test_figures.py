@@ -1,0 +1,52 @@
+"""Figures as a person reads them: words instead of keys, units, no zeros that are none."""
+
+from __future__ import annotations
+
+import pytest
+
+from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, rows, told, written
+
+ALL = {**FIGURES, **LIVE_FIGURES}
+
+
+@pytest.mark.parametrize("key", ALL)
+def test_every_figure_has_words_and_a_meaning(key: str):
+    figure = ALL[key]
+    assert figure.words and "_" not in figure.words
+    assert figure.meaning
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0, "", "0"),
+        (0.0, "words/s", "0"),
+        (0.00001, "words/s", "1e-05"),
+        (0.123456, "words/s", "0.123"),
+        (0.98648, "%", "98.6"),
+        (0.0003, "%", "0.03"),
+        (1.0, "%", "100"),
+        (12345.678, "m", "12,346"),
+        (12345, "", "12,345"),
+        (None, "%", "not known"),
+        ("demo", "", "demo"),
+    ],
+)
+def test_a_value_is_written_in_its_unit(value: object, unit: str, text: str):
+    assert written(value, unit) == text
+
+
+def test_only_what_is_zero_reads_as_zero():
+    assert all(float(written(10.0**-power, unit)) > 0 for power in range(1, 300) for unit in ("", "%"))
+
+
+def test_a_seed_is_a_name_and_laws_that_nobody_judged_are_told_so():
+    assert told("seed", 123456) == "123456"
+    assert told("violations", None) == "not judged"
+
+
+def test_each_role_has_a_row_of_its_own():
+    assert list(rows({"policies": {"word": "served", "bot": "evade"}})) == [
+        ("policies", "policy, word", "served", ""),
+        ("policies", "policy, bot", "evade", ""),
+    ]
