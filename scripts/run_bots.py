@@ -1,4 +1,4 @@
-"""Run some bucketbots, for instance: run_bots.py 0-11. Needs nothing else to be running yet."""
+"""Run some bucketbots, for instance: run_bots.py 0-19. Needs nothing else to be running yet."""
 
 import _environment
 

@@ -84,7 +84,7 @@ def test_bots_on_two_other_hosts_move_letters_also_after_one_was_cut_off(
     discovery = parts.start("run_discovery.py")
     world = parts.start("run_world.py", "--speed", "5", "--set", f"words={prose}")
     started = [world, *(parts.start(f"run_{role}_manager.py") for role in ("word", "letter", "fleet"))]
-    for name, bots in zip(hosts.names, ("0-5", "6-11"), strict=True):
+    for name, bots in zip(hosts.names, ("0-9", "10-19"), strict=True):
         started.append(parts.start_in(name, "run_bots.py", bots))
     seen = parts.folder / "transfers"
     seen.touch()
@@ -93,7 +93,7 @@ def test_bots_on_two_other_hosts_move_letters_also_after_one_was_cut_off(
     def moved(host: str) -> int:
         """How many letters the bots of a host have moved."""
         bots = [int(line) for line in seen.read_text().split()]
-        return sum(hosts.names[bot // 6] == host for bot in bots)
+        return sum(hosts.names[bot // 10] == host for bot in bots)
 
     away, there = hosts.names
     wait_until(lambda: moved(away) and moved(there), "bots of both hosts move letters")

@@ -16,12 +16,12 @@ from .conftest import PATIENCE_S, Parts, wait_until
 from .person import Person
 
 pytestmark = [pytest.mark.live, pytest.mark.timeout(600)]
-NODES = {f"/bot_{bot}/bot_{bot}" for bot in range(12)} | {
+NODES = {f"/bot_{bot}/bot_{bot}" for bot in range(20)} | {
     "/world", "/word_manager", "/letter_manager", "/fleet_manager",
 }  # fmt: skip
 BY_HAND = (
     ("run_fleet_manager.py",),
-    ("run_bots.py", "6-11"),
+    ("run_bots.py", "6-19"),
     ("run_word_manager.py",),
     ("run_world.py", "--speed", "5", "--set", "words=PROSE", "--event-log", "events.jsonl", "--summary", "out.json"),
     ("run_bots.py", "0-3,5"),
@@ -30,13 +30,13 @@ BY_HAND = (
 )
 
 
-def test_one_command_runs_sixteen_nodes_that_assemble_words(parts: Parts):
+def test_one_command_runs_twenty_four_nodes_that_assemble_words(parts: Parts):
     warehouse = parts.start(
         "run_warehouse.py", "--duration", "200", "--speed", "10", "--no-dashboard", "--summary", "out.json",
         "--event-log", "events.jsonl",
     )  # fmt: skip
     with Person() as person:
-        person.wait(lambda: person.nodes() >= NODES, "sixteen nodes are in the graph")
+        person.wait(lambda: person.nodes() >= NODES, "24 nodes are in the graph")
     out, err = warehouse.communicate(timeout=400)
     assert warehouse.returncode == 0, err
     assert "words completed" in out
@@ -58,7 +58,7 @@ def test_parts_started_by_hand_in_any_order_assemble_words_and_each_ends_at_once
         started[" ".join([script, *arguments])] = parts.start(script, *filled)
     with Person() as person:
         person.listen(msg.Statistics, "/world/statistics")
-        person.wait(lambda: person.nodes() >= NODES, "sixteen nodes are in the graph")
+        person.wait(lambda: person.nodes() >= NODES, "24 nodes are in the graph")
         newest = person.heard
         person.wait(
             lambda: "/world/statistics" in newest and newest["/world/statistics"].words_completed > 0,
@@ -129,7 +129,7 @@ def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Part
 
         person.node.create_subscription(DiagnosticArray, "/diagnostics", note, 10)
         person.wait(lambda: letters() > 0, "letters move")
-        for name in ("fleet manager", "bots 0-11", "world"):
+        for name in ("fleet manager", "bots 0-19", "world"):
             before = pids.pop(name)
             os.kill(before, signal.SIGKILL)
             person.wait(lambda name=name, before=before: pids.get(name, before) != before, f"{name} is back")
@@ -140,7 +140,7 @@ def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Part
     warehouse.send_signal(signal.SIGINT)
     out, err = warehouse.communicate(timeout=PATIENCE_S)
     assert warehouse.returncode == 0, err
-    for name in ("fleet manager", "bots 0-11", "world"):
+    for name in ("fleet manager", "bots 0-19", "world"):
         assert f"{name} was killed by SIGKILL" in out
         assert f"{name} is started again" in out
     assert json.loads((parts.folder / "out.json").read_text())["violations"] == 0

@@ -40,12 +40,12 @@ TINY: dict[str, Any] = {
     "variants": [
         {
             "group": "bots",
-            "variants": [{"name": f"{n} bots", "scenario": {"bots": n}} for n in (3, 6, 12)],
+            "variants": [{"name": f"{n} bots", "scenario": {"bots": n}} for n in (3, 6, 20)],
         },
         {"group": "words", "variants": [{"name": "served", "policies": {"word": "served"}}]},
     ],
 }
-RUNS = 8  # base (which is also 12 bots), 3 bots, 6 bots, served; each with two seeds
+RUNS = 8  # base (which is also 20 bots), 3 bots, 6 bots, served; each with two seeds
 
 
 def written(folder: Path, **changes: Any) -> Path:
@@ -112,7 +112,7 @@ def test_each_different_run_is_made_once(done: tuple[Path, Path]):
     assert [(line["variant"], line["seed"]) for line in lines] == [
         (label, seed) for seed in (1, 2) for label in ("minimal", "bots: 3 bots", "bots: 6 bots", "words: served")
     ]
-    assert {line["summary"]["bots"] for line in lines} == {3, 6, 12}
+    assert {line["summary"]["bots"] for line in lines} == {3, 6, 20}
 
 
 def test_figures_for_other_programs_hold_intervals_and_paired_differences(done: tuple[Path, Path]):
@@ -120,12 +120,12 @@ def test_figures_for_other_programs_hold_intervals_and_paired_differences(done: 
     rates = {(line["variant"], line["seed"]): line["summary"]["words_per_second"] for line in results(done[1])}
     assert figures["seeds"] == [1, 2]
     assert figures["base"]["is_base"]
-    three, _, twelve = figures["groups"]["bots"]
+    three, _, twenty = figures["groups"]["bots"]
     expected = sum(rates["bots: 3 bots", seed] - rates["minimal", seed] for seed in (1, 2)) / 2
     assert three["words_per_second_to_base"]["mean"] == pytest.approx(expected)
     assert three["totals"] == {"bot_collisions": 0, "bucket_collisions": 0, "violations": 0}
-    assert twelve["is_base"]
-    assert twelve["figures"] == figures["base"]["figures"]
+    assert twenty["is_base"]
+    assert twenty["figures"] == figures["base"]["figures"]
     assert [row["variant"] for row in figures["groups"]["words"]] == ["minimal", "served"]
 
 
@@ -150,7 +150,7 @@ def test_the_report_is_one_file_that_can_be_repeated_from(done: tuple[Path, Path
 def test_the_table_for_a_readme_has_a_line_for_each_variant(done: tuple[Path, Path]):
     lines = (done[1] / "table.md").read_text().splitlines()
     assert [line.split("|")[2].strip() for line in lines[2:7]] == [
-        "3 bots", "6 bots", "12 bots (base)", "minimal (base)", "served",
+        "3 bots", "6 bots", "20 bots (base)", "minimal (base)", "served",
     ]  # fmt: skip
     assert len({line.count("|") for line in lines[:7]}) == 1
 
@@ -319,7 +319,7 @@ def test_the_small_experiment_that_comes_with_the_warehouse_runs(tmp_path: Path,
     path = ROOT / "config/experiments/small.yaml"
     assert main([str(path), "--out", str(tmp_path), "--replications", "1"]) == 0
     said = capsys.readouterr().out
-    for name in ("best (base)", "oldest word", "minimal", "4 bots", "12 bots (base)"):
+    for name in ("best (base)", "oldest word", "minimal", "6 bots", "20 bots (base)"):
         assert name in said
     rates = {line["variant"]: line["summary"]["words_per_second"] for line in results(tmp_path)}
     assert len(rates) == 7

@@ -183,7 +183,7 @@ def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> 
     from soup_bots.bot_host import run_bots  # the host knows the node, and this program knows both
 
     parser = Parser("Run bucketbots, each its own ROS node, in one process.")
-    parser.add_argument("bots", type=bots, help="which, for instance 0-11 or 0-5,8")
+    parser.add_argument("bots", type=bots, help="which, for instance 0-19 or 0-5,8")
     parser.add_argument("--policy", metavar="NAME|FILE.py:Class", help="how bots avoid each other")
     parser.add_argument("--policies", type=Path, default=policies, metavar="FILE")
     parser.add_argument("--seed", type=seed, default=0, help="of the random numbers of the policy")

@@ -27,7 +27,7 @@ def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> 
         "runs in this terminal until Ctrl-C. All further options are those of run_word_manager.py and its like, or "
         "of run_bots.py; for instance: swap_manager.py fleet --policy minimal, or swap_manager.py 7 --policy evade."
     )
-    parser.add_argument("part", metavar="word|letter|fleet|BOTS", help="which manager, or which bots: 7 or 0-11")
+    parser.add_argument("part", metavar="word|letter|fleet|BOTS", help="which manager, or which bots: 7 or 0-19")
     options, further = parser.parse_known_args(argv)
     manager = MANAGERS.get(options.part)
     if manager is not None:
