@@ -30,25 +30,24 @@ UNTIL_CTRL_C = "python3 scripts/run_warehouse.py"
 THESE_TESTS = "python3 scripts/run_tests.py"  # CI runs it; it runs this test
 
 
-@pytest.fixture(scope="module", autouse=True)
-def bag_of_the_reader() -> Iterator[None]:
-    """One command of the README makes a bag, others read it."""
-    yield
-    shutil.rmtree(_environment.ROOT / "my_bag", ignore_errors=True)
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Where the reader types: a folder like the project's. One command makes a bag there, others read it."""
+    folder = tmp_path_factory.mktemp("reader")
+    for name in ("config", "examples"):
+        shutil.copytree(_environment.ROOT / name, folder / name)
+    return folder
 
 
 @pytest.fixture
-def reader(domain: str) -> Iterator[Parts]:
-    """Somebody who types the commands in the project's folder."""
-    parts = Parts(_environment.ROOT)
+def reader(domain: str, folder: Path) -> Iterator[Parts]:
+    """Somebody who types the commands of the README."""
+    parts = Parts(folder)
     try:
         yield parts
         assert parts.all_gone(), f"processes {parts.alive()} outlive their test"
     finally:
         parts.close()
-        for written in ("summary.json", "choices.jsonl"):
-            (_environment.ROOT / written).unlink(missing_ok=True)
-        shutil.rmtree(_environment.ROOT / "results/small", ignore_errors=True)
 
 
 def typed(reader: Parts, line: str, *more: str) -> subprocess.Popen[str]:
