@@ -56,6 +56,7 @@ from soup_msgs_py.wire import (
     read_cdr,
     to_outcome,
     to_ros,
+    to_ros_of,
 )
 
 RIVALS_S = 3.0  # wall time after which a process that does not give up its bots counts as dead
@@ -136,7 +137,7 @@ class BotHost:
         self._charges = node.create_publisher(msg.Charge, topics.BOTS_CHARGE, LATCHED)
         self._charges.publish(to_ros(self._charge))
         live.follow(node, msg.Charge, topics.BOTS_CHARGE, self._on_charge, CHARGES)
-        live.follow(node, msg.BotReply, topics.REPLIES, self._on_reply, EVERY_ONE)
+        live.follow(node, msg.BotReply, topics.REPLIES, self._on_reply, EVERY_ONE, run=lambda: self._follower.run)
         live.subscribe(node, msg.Buckets, topics.SENSED_BUCKETS, self._on_buckets, DISPLAY, raw=True)
         live.subscribe(node, msg.Bots, topics.SENSED_BOTS, self._on_bots, DISPLAY, raw=True)
 
@@ -296,7 +297,7 @@ class BotHost:
             self._bots[bot].set_velocity(SetVelocity(bot, vx, vy))
 
     def _request(self, request: Grab | Release | Transfer) -> None:
-        self._requests.publish(to_ros(request))
+        self._requests.publish(to_ros_of(self._follower.run, request))
 
     def _ask_other(self, goal: DriveGoal) -> None:
         """Ask a bot of another process to drive; that it may not hear is part of asking."""

@@ -49,7 +49,7 @@ from soup_msgs_py.messages import (
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import PolicyChoice
 from soup_msgs_py.qos import CHARGES, DISPLAY, LATCHED
-from soup_msgs_py.wire import Announcement, MalformedMessage, from_cdr, from_ros, to_ros
+from soup_msgs_py.wire import Announcement, MalformedMessage, from_cdr, from_ros, to_ros, to_ros_of
 
 TASKS_PERIOD_S = 0.5
 NOT_YET = "the fleet manager waits for the world"
@@ -97,7 +97,7 @@ class FleetManagerNode:
             TaskResult: self._end_task,
             TripGoal: self._orders.ask,
             DriveGoal: self._ask_to_drive,
-            Bound: lambda m: self._bound.publish(to_ros(m)),
+            Bound: lambda m: self._bound.publish(to_ros_of(self._follower.run, m)),
             CancelTrip: self._orders.cancel,
             CancelDrive: self._orders.cancel,
             SetStorageSpot: self._ask_world,
@@ -256,7 +256,7 @@ class FleetManagerNode:
         tasks = fleet.tasks()
         if tasks != self._published:
             self._published = tasks
-            self._tasks.publish(to_ros(Tasks(self._follower.now, tasks)))
+            self._tasks.publish(to_ros_of(self._follower.run, Tasks(self._follower.now, tasks)))
 
     def _carry(self, messages: list[Message]) -> None:
         for message in messages:

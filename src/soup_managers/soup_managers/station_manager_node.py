@@ -83,7 +83,7 @@ class StationManagerNode:
         self._charge = InCharge(live, node, self._report, policy, take_over=take_over)
         self._follower = Follower(live, node, self._report, make_mind, self._carry, self._missing)
         if kind == DELIVER:
-            live.follow(node, msg.Bound, topics.BOUND, self._follower.tell, LATCHED)
+            live.follow(node, msg.Bound, topics.BOUND, self._follower.tell, LATCHED, run=lambda: self._follower.run)
         live.every(LOOK_FOR_FLEET_S, self._fleet.look)
 
     def _missing(self) -> str:

@@ -48,6 +48,7 @@ from soup_msgs_py.wire import (
     from_twist,
     storage_spot_response,
     to_ros,
+    to_ros_of,
     to_stamp,
     to_statistics,
 )
@@ -138,7 +139,7 @@ class WorldNode:
         self._clock_due = self._poses_due = self._judge_due = 0.0
         live.every(TICK_S, self._tick)
         live.every(SNAPSHOT_S, self._publish_snapshot)
-        live.every(STATIONS_S, lambda: self._stations.publish(to_ros(world.stations())))
+        live.every(STATIONS_S, lambda: self._publish(self._stations, world.stations()))
         live.every(STATISTICS_S, self._publish_statistics)
         live.every(STATISTICS_S, self._report_waits)
         live.every(STATE_S, self._publish_state)
@@ -160,9 +161,9 @@ class WorldNode:
             velocity, path = topics.bot_topic(bot, topics.CMD_VEL), topics.bot_topic(bot, topics.PATH)
             live.subscribe(node, Twist, velocity, lambda m, bot=bot: self._ask(from_twist(m, bot)), COMMANDS)
             live.subscribe(node, RosPath, path, lambda m, bot=bot: self._ask(from_path(m, bot)), COMMANDS)
-        live.follow(node, msg.Heard, topics.HEARD, self._on_heard, EVERY_ONE)
+        live.subscribe(node, msg.Heard, topics.HEARD, self._on_heard, EVERY_ONE)
         # the last one: who sees it knows that the world listens to the others, too
-        live.subscribe(node, msg.BotRequest, topics.REQUESTS, lambda m: self._ask(from_bot_request(m, bots)), EVERY_ONE)
+        live.subscribe(node, msg.BotRequest, topics.REQUESTS, self._on_request, EVERY_ONE)
         serve(live, node, srv.AssignWord, topics.ASSIGN_WORD, self._on_assign_word)
         serve(live, node, srv.AssignBundle, topics.ASSIGN_BUNDLE, self._on_assign_bundle)
         serve(live, node, srv.SetStorageSpot, topics.SET_STORAGE_SPOT, self._on_set_storage_spot)
@@ -188,8 +189,8 @@ class WorldNode:
             period = self._poses_s / self._pacer.speed
             self._poses_due = wall + min(max(period, FASTEST_POSES_S), SLOWEST_POSES_S)
             if self._buckets.get_subscription_count():
-                self._buckets.publish(to_ros(world.buckets()))
-            self._bots.publish(to_ros(world.bots()))
+                self._publish(self._buckets, world.buckets())
+            self._publish(self._bots, world.bots())
         if wall >= self._judge_due:
             self._judge_due = wall + JUDGE_S
             self._record.poses(world.bots(), world.buckets())
@@ -222,13 +223,24 @@ class WorldNode:
                         continue  # nobody has to hear it
                     return
             if listeners.next_time <= world.now:
-                self._sensed_buckets.publish(to_ros(world.buckets()))
-                self._sensed_bots.publish(to_ros(world.bots()))
-            self._beat.publish(to_ros(listeners.beat(world.now, wall)))
+                self._publish(self._sensed_buckets, world.buckets())
+                self._publish(self._sensed_bots, world.bots())
+            self._publish(self._beat, listeners.beat(world.now, wall))
 
-    def _on_heard(self, heard: Heard) -> None:
-        self._listeners.hear(heard, time.monotonic())
-        self._advance()
+    def _on_heard(self, message: msg.Heard) -> None:
+        heard: Heard = from_ros(message)
+        if self._is_meant(message.run):
+            self._listeners.hear(heard, time.monotonic())
+            self._advance()
+
+    def _on_request(self, message: msg.BotRequest) -> None:
+        request = from_bot_request(message, self._world.scenario.bots)
+        if self._is_meant(message.run):
+            self._ask(request)
+
+    def _is_meant(self, run: int) -> bool:
+        """Whether what was said for a run, 0 for the present one, is for this world."""
+        return run == 0 or self._live.belongs(run, self._world.run)
 
     def _ask(self, message: Message) -> Reply | None:
         """Hand a request to the world at the time that it is now; its answer to a manager."""
@@ -244,11 +256,11 @@ class WorldNode:
             self._listeners.tell(message)
             if isinstance(message, Event):
                 self._record.event(message)
-                self._events.publish(to_ros(message))
+                self._publish(self._events, message)
             else:
                 self._refused += not message.success
                 if isinstance(message, BotReply):
-                    self._replies.publish(to_ros(message))
+                    self._publish(self._replies, message)
                 else:
                     answer = message
         return answer
@@ -319,6 +331,9 @@ class WorldNode:
             "parts": self._listeners.names,
         }
         write_checkpoint(path, self._world, books)
+
+    def _publish(self, publisher: Any, message: Any) -> None:
+        publisher.publish(to_ros_of(self._world.run, message))
 
     # ---- now and then -------------------------------------------------------------------------------------
 

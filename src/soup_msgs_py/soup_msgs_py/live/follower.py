@@ -18,7 +18,7 @@ from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import Beat, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
-from soup_msgs_py.wire import Announcement, from_cdr, from_stamp, read_cdr, to_ros
+from soup_msgs_py.wire import Announcement, from_cdr, from_stamp, read_cdr, to_ros_of
 
 LOOK_S = 0.1  # how often a part that waits looks whether it still has to
 
@@ -93,8 +93,8 @@ class Follower:
         self._asked: Callable[[Snapshot], None] | None = None  # who wants the next one
         live.follow(node, msg.Scenario, topics.SCENARIO, self._on_announcement, LATCHED)
         live.subscribe(node, Clock, topics.CLOCK, self._on_clock, DISPLAY)
-        live.follow(node, msg.Beat, topics.BEAT, self._on_beat, LATCHED)
-        live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE)
+        live.follow(node, msg.Beat, topics.BEAT, self._on_beat, LATCHED, run=lambda: self.run)
+        live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE, run=lambda: self.run)
         live.subscribe(node, msg.Snapshot, topics.SNAPSHOT, self._on_snapshot, LATCHED, raw=True)
         live.every(LOOK_S, self._look)
         live.at_end(self._take_leave)
@@ -145,7 +145,7 @@ class Follower:
 
     def _take_leave(self) -> None:
         if self.begun:  # one that stands by has the name of the one in charge, which the world waits for
-            self._heard.publish(to_ros(Heard(self._name, self._beat, NEVER, leaves=True)))
+            self._heard.publish(to_ros_of(self.run, Heard(self._name, self._beat, NEVER, leaves=True)))
 
     def speak_for(self, bots: frozenset[int]) -> None:
         """From now on the part speaks for other bots than before."""
@@ -161,7 +161,8 @@ class Follower:
     def _say_heard(self) -> None:
         assert self.mind is not None
         self._asked_for, self._reacts = self._next(), self.mind.reacts_to
-        self._heard.publish(to_ros(Heard(self._name, self._beat, self._asked_for, self._reacts, self._bots)))
+        heard = Heard(self._name, self._beat, self._asked_for, self._reacts, self._bots)
+        self._heard.publish(to_ros_of(self.run, heard))
 
     def _next(self) -> float:
         if self.mind is None or not self.in_step:

@@ -43,6 +43,7 @@ class Live:
     Attributes:
         name: For messages to a person.
         malformed: Messages that made no sense and were dropped.
+        foreign: Messages of another run of the world, which were dropped.
         ended_by: The signal that ended the process, 0 for none.
     """
 
@@ -61,6 +62,7 @@ class Live:
         self.name = name
         self._still = Stillness() if starts_again else None
         self.malformed = 0
+        self.foreign = 0
         self.ended_by = 0
         self._stopping = False
         self._carried = 0  # callbacks so far
@@ -92,10 +94,33 @@ class Live:
         return node.create_subscription(kind, topic, self.guard(take), profile, **options)
 
     def follow(
-        self, node: Node, kind: type, topic: str, take: Callable[[Any], None], profile: QoSProfile, **options: Any
+        self,
+        node: Node,
+        kind: type,
+        topic: str,
+        take: Callable[[Any], None],
+        profile: QoSProfile,
+        run: Callable[[], int] | None = None,
     ) -> Subscription:
-        """Hand every message of a topic, turned into its dataclass, to `take`."""
-        return self.subscribe(node, kind, topic, lambda message: take(from_ros(message)), profile, **options)
+        """Hand every message of a topic, turned into its dataclass, to `take`.
+
+        Where `run` is given, it tells which run of the world is followed: what says that it belongs to another one is
+        counted and dropped. Before any world has been heard of that is 0, and everything is taken.
+        """
+
+        def hear(message: Any) -> None:
+            converted = from_ros(message)
+            if run is None or self.belongs(message.run, run()):
+                take(converted)
+
+        return self.subscribe(node, kind, topic, hear, profile)
+
+    def belongs(self, said: int, run: int) -> bool:
+        """Whether what was said in a run of the world is meant for this one, 0 for any; if not, it is counted."""
+        if run in (0, said):
+            return True
+        self.foreign += 1
+        return False
 
     def leave(self, node: Node) -> None:
         """Take a node out of the graph, though the process goes on."""

@@ -66,7 +66,8 @@ class Report:
             print(f"{self._live.name}: {self._message}", file=sys.stderr, flush=True)
 
     def _publish(self) -> None:
-        values = {**self.values, "malformed_messages": str(self._live.malformed), "pid": str(os.getpid())}
+        dropped = {"malformed_messages": str(self._live.malformed), "foreign_messages": str(self._live.foreign)}
+        values = {**self.values, **dropped, "pid": str(os.getpid())}
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if self._waits else DiagnosticStatus.OK,
             name=self.name,

@@ -19,6 +19,7 @@ from soup_msgs_py.wire.basics import (
     read_cdr,
     read_result,
     to_ros,
+    to_ros_of,
     to_stamp,
 )
 from soup_msgs_py.wire.requests import (
@@ -66,6 +67,7 @@ __all__ = [
     "to_outcome",
     "to_path",
     "to_ros",
+    "to_ros_of",
     "to_stamp",
     "to_statistics",
     "to_twist",

@@ -108,6 +108,13 @@ def to_ros(message: Any) -> Any:
     raise TypeError(f"no ROS message for {type(message).__name__}")
 
 
+def to_ros_of(run: int, message: Any) -> Any:
+    """The same, for messages that say which run of the world they belong to."""
+    converted = to_ros(message)
+    converted.run = run
+    return converted
+
+
 @singledispatch
 def from_ros(message: Any) -> Any:
     """The dataclass for a ROS message.

@@ -35,6 +35,7 @@ from soup_msgs_py.wire.basics import (
     pack,
     to_ints,
     to_ros,
+    to_ros_of,
     to_stamp,
     unpack,
 )
@@ -209,8 +210,8 @@ def _(snapshot: Snapshot) -> msg.Snapshot:
     message = msg.Snapshot(
         header=header_at(snapshot.time),
         sequence=snapshot.sequence,
-        bots=to_ros(snapshot.bots),
-        buckets=to_ros(snapshot.buckets),
+        bots=to_ros_of(snapshot.run, snapshot.bots),
+        buckets=to_ros_of(snapshot.run, snapshot.buckets),
         word_stations=[to_ros(station) for station in snapshot.word_stations],
         letter_stations=[to_ros(station) for station in snapshot.letter_stations],
         waiting_words=[to_ros(word) for word in snapshot.waiting_words],
