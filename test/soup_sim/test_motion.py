@@ -46,6 +46,39 @@ def test_a_move_may_be_asked_to_take_longer() -> None:
     assert motion.duration_of(*arrays[1:], 0) == pytest.approx(7.5, abs=1e-9)
 
 
+@given(st.floats(-9.0, 1.6), st.floats(-3.0, 12.0))
+def test_a_move_that_is_given_time_of_any_size_takes_it_and_ends_on_its_goal(metres, seconds) -> None:
+    distance, asked = 10.0**metres, 10.0**seconds
+    arrays = bot()
+    motion.plan_leg(*arrays, 0, 0.0, 50.0 + distance, 50.0, V, A, 0.0, EDGES, asked)
+    distance = (50.0 + distance) - 50.0  # as far as numbers near 50 tell it
+    quickest = 2.0 * math.sqrt(distance / A) if distance <= V * V / A else distance / V + V / A
+    duration = motion.duration_of(*arrays[1:], 0)
+    assert duration == pytest.approx(max(asked, quickest), rel=1e-9)
+    track = sample(arrays, np.linspace(0.0, duration, 50))
+    assert (np.hypot(track[:, 2], track[:, 3]) <= V * (1 + 1e-9)).all()
+    assert (np.diff(track[:, 0]) >= -1e-9).all()
+    assert np.abs(np.diff(track[:, 0])).max() <= V * duration / 49 + 1e-9
+    assert track[-1][:2] == pytest.approx((50.0 + distance, 50.0), abs=1e-9)
+
+
+@given(st.floats(-300.0, 308.0), st.floats(-300.0, 308.0), st.floats(0.0, 6.3))
+def test_a_target_velocity_of_any_size_breaks_no_limit(x_size, y_size, direction) -> None:
+    arrays = bot()
+    tx, ty = 10.0**x_size * math.cos(direction), 10.0**y_size * math.sin(direction)
+    motion.plan_velocity(*arrays, 0, 0.0, tx, ty, V, A, 0.0, EDGES)
+    track = sample(arrays, np.linspace(0.0, 100.0, 200))
+    assert np.isfinite(track).all()
+    assert (np.hypot(track[:, 2], track[:, 3]) <= V * (1 + 1e-9)).all()
+    assert (track[:, :2] >= 1.0 - 1e-6).all() and (track[:, :2] <= 99.0 + 1e-6).all()
+
+
+def test_a_bot_that_has_turned_round_a_billion_times_still_finds_its_direction() -> None:
+    arrays = bot(heading=1e10)
+    motion.plan_leg(*arrays, 0, 0.0, 50.0, 60.0, V, A, 0.5, EDGES, 0.0)
+    assert motion.duration_of(*arrays[1:], 0) <= math.pi / 0.5 + 10.0 / V + V / A + 1e-9
+
+
 @given(places, places, speeds, speeds, places, places)
 def test_a_leg_ends_on_its_goal_at_rest_from_any_state(x, y, vx, vy, gx, gy) -> None:
     size = math.hypot(vx, vy)

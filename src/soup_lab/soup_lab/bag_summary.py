@@ -129,4 +129,3 @@ def _alike(value: Any, other: Any) -> bool:
     if isinstance(value, int | float) and isinstance(other, int | float):
         return math.isclose(value, other, rel_tol=1e-9)
     return value == other
-

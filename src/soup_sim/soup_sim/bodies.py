@@ -98,6 +98,8 @@ class Bodies:
         bucket: The bucket that each bot carries, -1 for none.
         carrier: The bot that carries each bucket, -1 for none.
         moving: Whether a motion of the bot is under way.
+        max_speed: Of the bots (m/s).
+        turn_rate: Of the bots (rad/s); 0: turning takes no time.
         window_s: Contacts are looked for in windows of this length: the time that a bot needs for its own diameter
             at full speed. Longer ones are opened less often, but hold more pairs that may meet.
     """
@@ -105,8 +107,9 @@ class Bodies:
     def __init__(self, scenario: Scenario, layout: Layout, bot_xy: Floats, bucket_xy: Floats) -> None:
         bots, buckets = len(bot_xy), len(bucket_xy)
         limits = scenario.bot
-        self._v, self._a = limits.max_speed_mps, limits.max_acceleration_mps2
-        self._turn_rate = limits.turn_rate_radps or 0.0
+        self.max_speed = self._v = limits.max_speed_mps
+        self._a = limits.max_acceleration_mps2
+        self.turn_rate = limits.turn_rate_radps or 0.0
         self._r_bot, self._r_bucket = limits.radius_m, scenario.bucket.radius_m
         margin = max(self._r_bot, self._r_bucket)
         self.edges = np.array([margin, layout.width_m - margin, margin, layout.height_m - margin])
@@ -194,7 +197,7 @@ class Bodies:
         """Give bots target velocities at time t; when each will stand if nothing else comes."""
         ends = np.zeros(len(bots))
         _change_velocities(
-            bots, self._state, self._segments, self._count, t, vx, vy, self._v, self._a, self._turn_rate,
+            bots, self._state, self._segments, self._count, t, vx, vy, self._v, self._a, self.turn_rate,
             self.edges, self._odometer, self.moving, ends,
         )  # fmt: skip
         return ends
@@ -209,7 +212,7 @@ class Bodies:
     def drive(self, bot: int, goal: Point, duration: float, t: float) -> float:
         """Send a bot straight to a goal, in `duration` if that is longer than needed; when it will be there."""
         return _change_leg(
-            bot, self._state, self._segments, self._count, t, goal[0], goal[1], self._v, self._a, self._turn_rate,
+            bot, self._state, self._segments, self._count, t, goal[0], goal[1], self._v, self._a, self.turn_rate,
             self.edges, duration, self._odometer, self.moving,
         )  # fmt: skip
 

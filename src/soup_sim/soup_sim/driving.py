@@ -15,9 +15,11 @@ from soup_sim.bodies import Contact
 
 _LONGEST_PATH = 10_000
 _LONGEST_TURN_S = 3600.0
+_FASTEST_TURN_RADPS = 100.0  # where turning takes no time
 _HERE = 1e-9  # m
 _OWN_PLACE = 1e-3  # m: a path that begins so near begins where the bot stands
 _IN_TIME = 1e-6  # s: stamps on the wire are whole nanoseconds
+_RESOLVED = 1e-7  # m: no bot may get further than this between a time and the next one that a number can hold
 
 
 @dataclass(slots=True)
@@ -38,6 +40,7 @@ class Driving:
         self._penalty_s = penalty_s
         bots = len(common.bodies.bucket)
         self._edges: list[float] = common.bodies.edges.tolist()
+        self._last_time = latest_time(common.bodies.max_speed)
         self._paths: list[_Path | None] = [None] * bots
         self._changes = 0
         self._changed = np.zeros(bots, dtype=np.int64)  # the change that gave each bot its present motion
@@ -69,7 +72,9 @@ class Driving:
             return
         if request.vx == 0.0 and request.vy == 0.0 and request.turn_radps != 0.0 and not self._bodies.moving[bot]:
             self._drop_path(bot)
-            end = self._bodies.turn(bot, request.turn_radps, _LONGEST_TURN_S, self._agenda.now)
+            limit = self._bodies.turn_rate or _FASTEST_TURN_RADPS
+            turn = min(max(request.turn_radps, -limit), limit)
+            end = self._bodies.turn(bot, turn, _LONGEST_TURN_S, self._agenda.now)
             self._motion_changed(bot, end)
             return
         self.set_velocities(
@@ -113,6 +118,13 @@ class Driving:
             return Code.INVALID, f"a path of {len(points)} points; it needs 1 to {_LONGEST_PATH}"
         if stamps and len(stamps) != len(points):
             return Code.INVALID, f"{len(stamps)} stamps for {len(points)} points; give one a point, or none"
+        for stamp in stamps:
+            if not -self._last_time <= stamp <= self._last_time:
+                return Code.INVALID, (
+                    f"a stamp of {stamp:g} s; stamps are simulated time, which is {self._agenda.now:.3f} s now, and at"
+                    f" most {self._last_time:.0f} s: beyond that no number tells where a bot is (does the sender lack"
+                    " use_sim_time?)"
+                )
         if stamps and any(later < earlier for earlier, later in pairwise(stamps)):
             return Code.INVALID, "stamps that go back in time"
         left, right, bottom, top = self._edges
@@ -277,6 +289,14 @@ class Driving:
         self._ends = np.array([np.inf if end is None else end for end in state["ends"]])
         self._changes, self._window_end = state["changes"], state["window_end"]
         self._stirred = dict.fromkeys(state["stirred"])
+
+
+def latest_time(max_speed: float) -> float:
+    """The last simulated time (s) whose neighbours are near enough to tell where a bot of a top speed (m/s) is.
+
+    A power of two: the distance from one float to the next doubles there.
+    """
+    return float(2.0 ** (np.floor(np.log2(_RESOLVED / max_speed)) + np.finfo(np.float64).nmant + 1))
 
 
 def _restored_path(state: dict[str, Any]) -> _Path:

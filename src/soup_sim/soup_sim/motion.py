@@ -97,6 +97,8 @@ def _add_turn(segments, i, n, heading, ux, uy, turn_rate):
     """Append the turn on the spot that faces direction u; the new heading and number of segments."""
     wanted = heading_of(ux, uy)
     angle = wanted - heading
+    if abs(angle) > 4.0 * _PI:  # it has turned round and round
+        angle -= 2.0 * _PI * np.floor(angle / (2.0 * _PI))
     while angle > _PI:
         angle -= 2.0 * _PI
     while angle <= -_PI:
@@ -208,6 +210,10 @@ def plan_velocity(state, segments, count, i, t, tx, ty, V, A, turn_rate, edges):
     settle(state, segments, count, i, t)
     x, y, vx, vy, heading = state[i, 1], state[i, 2], state[i, 3], state[i, 4], state[i, 5]
     speed = np.sqrt(tx * tx + ty * ty)
+    if speed == np.inf:  # its square is no number: only its direction counts
+        size = max(abs(tx), abs(ty))
+        tx, ty = 2.0 * V * (tx / size), 2.0 * V * (ty / size)
+        speed = np.sqrt(tx * tx + ty * ty)
     if speed > V:
         tx, ty, speed = tx * V / speed, ty * V / speed, V
     n = 0
@@ -242,9 +248,10 @@ def _add_straight(segments, i, n, ux, uy, distance, v0, V, A, duration):
         return n
     peak = min(V, np.sqrt(A * distance + 0.5 * v0 * v0))
     if duration > 0.0 and v0 == 0.0:
-        slowest = duration * duration * A * A - 4.0 * A * distance
-        if slowest > 0.0:
-            peak = min(peak, 0.5 * (A * duration - np.sqrt(slowest)))
+        rest = duration * duration - 4.0 * distance / A
+        if rest > 0.0:
+            # the smaller root of p * duration = distance + p^2 / A, in the form that cancels at no size
+            peak = min(peak, 2.0 * distance / (duration + np.sqrt(rest)))
     n = _add(segments, i, n, (peak - v0) / A, A * ux, A * uy, 0.0)
     cruise = distance - (2.0 * peak * peak - v0 * v0) / (2.0 * A)
     n = _add(segments, i, n, cruise / peak, 0.0, 0.0, 0.0)
