@@ -32,7 +32,7 @@ class Decision:
     score: str
 
 
-BY_POLICY = "as the policy gives them: see `docs/reference/policies.md`"
+BY_POLICY = "the score that the policy gives"
 DECISIONS = {
     "words": Decision(
         "a waiting word, which is opened",

@@ -15,7 +15,9 @@ class ExplicitColours(Part):
     """The share of each colour."""
 
     kind: Literal["list"] = "list"
-    shares: Annotated[list[NotNegative], Field(min_length=1, max_length=10_000)]
+    shares: Annotated[list[NotNegative], Field(min_length=1, max_length=10_000)] = Field(
+        description="one for each colour; they add up to 1"
+    )
 
     @field_validator("shares")
     @classmethod
@@ -29,7 +31,7 @@ class UniformColours(Part):
     """All colours alike."""
 
     kind: Literal["uniform"]
-    count: Annotated[int, Field(ge=1, le=10_000)]
+    count: Annotated[int, Field(ge=1, le=10_000)] = Field(description="how many colours")
 
     @property
     def shares(self) -> list[float]:
@@ -41,8 +43,10 @@ class ParetoColours(Part):
     """Few colours are popular: a Pareto distribution, for `alpha` 1.16 the classic 80/20 curve."""
 
     kind: Literal["pareto"]
-    count: Annotated[int, Field(ge=1, le=10_000)]
-    alpha: Annotated[float, Field(gt=1, le=100)] = 1.16
+    count: Annotated[int, Field(ge=1, le=10_000)] = Field(description="how many colours")
+    alpha: Annotated[float, Field(gt=1, le=100)] = Field(
+        default=1.16, description="the smaller, the more popular the first colours are"
+    )
 
     @property
     def shares(self) -> list[float]:
@@ -61,30 +65,30 @@ class Backlog(Part):
     """Always `visible` waiting words to choose from: a customer whose demand never ends."""
 
     kind: Literal["backlog"] = "backlog"
-    visible: Count = 200
+    visible: Count = Field(default=200, description="words that wait at any time")
 
 
 class AllOrders(Part):
     """All orders are known at the start, and no more come."""
 
     kind: Literal["all"]
-    count: Count
+    count: Count = Field(description="how many words")
 
 
 class PoissonOrders(Part):
     """Words arrive at random, `per_hour` on average, times the factor of the hour of the day."""
 
     kind: Literal["poisson"]
-    per_hour: Positive
-    daily_profile: DailyProfile = [1.0] * 24
-    at_start: Annotated[int, Field(ge=0, le=100_000)] = 0
+    per_hour: Positive = Field(description="words on average")
+    daily_profile: DailyProfile = Field(default=[1.0] * 24, description="a factor for each hour of the day")
+    at_start: Annotated[int, Field(ge=0, le=100_000)] = Field(default=0, description="words that wait at the start")
 
 
 class OrderFile(Part):
     """Words arrive as a file says: lines of `seconds,word` or `seconds,E0 T1 A0`, in order of time."""
 
     kind: Literal["file"]
-    path: str  # relative to the scenario file
+    path: str = Field(description="the file")
 
 
 class NoOrders(Part):
@@ -106,16 +110,16 @@ class PoissonBundles(Part):
     """Bundles of kinds that follow the letters of words arrive at random, `per_hour` on average."""
 
     kind: Literal["poisson"]
-    per_hour: Positive
-    daily_profile: DailyProfile = [1.0] * 24
-    at_start: Annotated[int, Field(ge=0, le=100_000)] = 0
+    per_hour: Positive = Field(description="bundles on average")
+    daily_profile: DailyProfile = Field(default=[1.0] * 24, description="a factor for each hour of the day")
+    at_start: Annotated[int, Field(ge=0, le=100_000)] = Field(default=0, description="bundles that wait at the start")
 
 
 class BundleFile(Part):
     """Bundles arrive as a file says: lines of `seconds,E0`, in order of time."""
 
     kind: Literal["file"]
-    path: str  # relative to the scenario file
+    path: str = Field(description="the file")
 
 
 class NoBundles(Part):

@@ -26,8 +26,8 @@ class Part(BaseModel):
 class Floor(Part):
     """Size of the floor: x from 0 to width, y from 0 to height."""
 
-    width_m: Positive
-    height_m: Positive
+    width_m: Positive = Field(description="from left to right")
+    height_m: Positive = Field(description="from bottom to top")
 
 
 class Sensing(Part):
@@ -37,11 +37,13 @@ class Sensing(Part):
     thinks for itself: it hears of nobody's intentions either.
     """
 
-    velocities: bool = True  # of other bots; without, they all seem to stand
-    contents: bool = True  # of buckets: the letter tiles inside
-    intentions: bool = True  # what other bots of its process are about to do
-    view_angle_rad: Annotated[float, Field(gt=0, le=2 * math.pi)] | None = None  # ahead; None: all around
-    nearest: Count | None = None  # so many bots and so many resting buckets; None: all
+    velocities: bool = Field(default=True, description="of other bots; without, they all seem to stand")
+    contents: bool = Field(default=True, description="the letter tiles in buckets")
+    intentions: bool = Field(default=True, description="what other bots of the same process are about to do")
+    view_angle_rad: Annotated[float, Field(gt=0, le=2 * math.pi)] | None = Field(
+        default=None, description="only what lies ahead within this angle; null: all around"
+    )
+    nearest: Count | None = Field(default=None, description="only so many bots and so many resting buckets; null: all")
 
     @property
     def is_alone(self) -> bool:
@@ -53,30 +55,39 @@ class Sensing(Part):
 class BotParameters(Part):
     """One bucketbot: size, equations 1 and 2, the times of its actions, what it senses."""
 
-    radius_m: Positive = 1.0
-    max_speed_mps: Positive = 4.0
-    max_acceleration_mps2: Positive = 20.0
-    turn_rate_radps: Positive | None = None  # None: turning takes no time
-    grab_s: NotNegative = 0.5
-    release_s: NotNegative = 0.5
-    tolerance_m: Positive = 0.1  # for grabbing a bucket and for releasing it on a storage spot
-    collision_penalty_s: Positive = 5.0
-    sensing_radius_m: NotNegative = 20.0
-    sensing: Sensing = Sensing()
+    radius_m: Positive = Field(default=1.0, description="of the disc that a bot is")
+    max_speed_mps: Positive = Field(default=4.0, description="top speed (equation 1 of the paper)")
+    max_acceleration_mps2: Positive = Field(default=20.0, description="when a bot speeds up and when it brakes (equation 2 of the paper)")
+    turn_rate_radps: Positive | None = Field(
+        default=None, description="how fast a bot turns; null: turning takes no time"
+    )
+    grab_s: NotNegative = Field(default=0.5, description="time to lift a bucket")
+    release_s: NotNegative = Field(default=0.5, description="time to set a bucket down")
+    tolerance_m: Positive = Field(
+        default=0.1,
+        description="how close a bot must be to a bucket to grab it, and to a storage spot to release on it",
+    )
+    collision_penalty_s: Positive = Field(default=5.0, description="how long all who are involved in a collision stand")
+    sensing_radius_m: NotNegative = Field(default=20.0, description="how far a bot senses")
+    sensing: Sensing = Field(
+        default=Sensing(),
+        description="blinds bots for an experiment; without it they sense everything within the radius",
+    )
 
 
 class BucketParameters(Part):
     """One bucket."""
 
-    radius_m: Positive = 1.0
-    capacity: Count = 40  # letter tiles
+    radius_m: Positive = Field(default=1.0, description="of the disc that a bucket is")
+    capacity: Count = Field(default=40, description="letter tiles that fit into it")
 
 
 class _Station(Part):
     """A station, and how it decides by itself."""
 
-    # a name, or FILE.py:Class relative to the scenario file; with options as in a policies file: {name, options}
-    policy: PolicyChoice = PolicyChoice(name="as_asked")
+    policy: PolicyChoice = Field(
+        default=PolicyChoice(name="as_asked"), description="what the station does next by itself"
+    )
 
     @field_validator("policy", mode="before")
     @classmethod
@@ -87,15 +98,19 @@ class _Station(Part):
 class WordStationParameters(_Station):
     """One word station."""
 
-    open_words: Count = 4
-    transfer_s: NotNegative = 5.0  # to take one tile out of a bucket and put it into its word
-    clear_s: NotNegative = 0.0  # to move a finished word out and prepare for the next one
-    tolerance_m: Positive = 0.1
+    open_words: Count = Field(default=4, description="words that can be open at a station at the same time")
+    transfer_s: NotNegative = Field(
+        default=5.0, description="time to take one tile out of a bucket and put it into its word"
+    )
+    clear_s: NotNegative = Field(
+        default=0.0, description="time to move a finished word out and prepare for the next one"
+    )
+    tolerance_m: Positive = Field(default=0.1, description="how close the carried bucket must be to the station")
 
 
 class LetterStationParameters(_Station):
     """One letter station."""
 
-    staged_bundles: Count = 4
-    transfer_s: NotNegative = 5.0  # to put one tile into a bucket
-    tolerance_m: Positive = 0.1
+    staged_bundles: Count = Field(default=4, description="bundles that can be staged at a station at the same time")
+    transfer_s: NotNegative = Field(default=5.0, description="time to put one tile into a bucket")
+    tolerance_m: Positive = Field(default=0.1, description="how close the carried bucket must be to the station")

@@ -35,23 +35,36 @@ from soup_msgs_py.yaml_input import Overrides, apply_overrides, read_mapping, va
 class Scenario(Part):
     """A whole warehouse. The defaults are those of the paper's example where it gives a number."""
 
-    name: Annotated[str, Field(min_length=1, max_length=80)]
-    floor: Floor
-    bots: Count
-    buckets: Count
-    word_stations: Count | Annotated[list[Position], Field(min_length=1)]  # how many, evenly spaced, or where (m)
-    letter_stations: Count | Annotated[list[Position], Field(min_length=1)]
-    bot: BotParameters = BotParameters()
-    bucket: BucketParameters = BucketParameters()
-    word_station: WordStationParameters = WordStationParameters()
-    letter_station: LetterStationParameters = LetterStationParameters()
-    bundle_size: Count = 4  # letter tiles
-    initial_inventory: Share = 0.7  # share of the capacity of all buckets that is filled at the start
-    words: str  # any text file of English words, relative to this file
-    colours: Colours = ExplicitColours(shares=[0.8, 0.1, 0.05, 0.05])  # or just the list of shares
-    orders: Orders = Backlog()
-    bundles: Bundles = ChosenBundles()
-    layout: Layout_ = RowsLayout()
+    name: Annotated[str, Field(min_length=1, max_length=80)] = Field(description="shown in tables and on the page")
+    floor: Floor = Field(description="how large it is")
+    bots: Count = Field(description="how many bucketbots")
+    buckets: Count = Field(description="how many buckets")
+    word_stations: Count | Annotated[list[Position], Field(min_length=1)] = Field(
+        description="how many, evenly spaced along the right edge, or where each is, in metres"
+    )
+    letter_stations: Count | Annotated[list[Position], Field(min_length=1)] = Field(
+        description="how many, evenly spaced along the left edge, or where each is, in metres"
+    )
+    bot: BotParameters = Field(default=BotParameters(), description="size, speed and times of a bot")
+    bucket: BucketParameters = Field(default=BucketParameters(), description="size and capacity of a bucket")
+    word_station: WordStationParameters = Field(
+        default=WordStationParameters(), description="what word stations have in common"
+    )
+    letter_station: LetterStationParameters = Field(
+        default=LetterStationParameters(), description="what letter stations have in common"
+    )
+    bundle_size: Count = Field(default=4, description="letter tiles in a bundle; at most the capacity of a bucket")
+    initial_inventory: Share = Field(
+        default=0.7, description="share of the capacity of all buckets that is filled at the start"
+    )
+    words: str = Field(description="path of any text file of English words")
+    colours: Colours = Field(
+        default=ExplicitColours(shares=[0.8, 0.1, 0.05, 0.05]),
+        description="how often each colour is; the list of shares alone will do: `[0.8, 0.2]`",
+    )
+    orders: Orders = Field(default=Backlog(), description="which words customers order, and when")
+    bundles: Bundles = Field(default=ChosenBundles(), description="which letters arrive, and when")
+    layout: Layout_ = Field(default=RowsLayout(), description="where waypoints, aisles and storage spots are")
 
     @field_validator("colours", mode="before")
     @classmethod
