@@ -59,7 +59,9 @@ def test_a_person_fetches_a_bucket_serves_a_word_and_brings_the_bucket_back(part
 
 
 def test_time_is_paused_stepped_and_paced_by_services(parts: Parts):
-    world = parts.start("run_world.py")
+    kept = parts.folder / "kept"
+    (kept / "world.checkpoint").mkdir(parents=True)  # where a file is to be: it cannot be written
+    world = parts.start("run_world.py", "--checkpoint", str(kept), "--every", "0.1")
     with Person() as person:
         assert person.call(SetBool, "/world/pause", data=True).success
         granted(person.call(srv.Step, "/world/step", seconds=0.5))
@@ -71,11 +73,16 @@ def test_time_is_paused_stepped_and_paced_by_services(parts: Parts):
         refused(person.call(srv.SetSpeed, "/world/set_speed", real_time_factor=0.0), "invalid")
         refused(person.call(srv.AssignWord, "/world/assign_word", word=-5, station=0), "unknown")
         refused(person.call(srv.AssignBundle, "/world/assign_bundle", station=99), "unknown")
-        kept = parts.folder / "now.checkpoint"
-        granted(person.call(srv.Checkpoint, "/world/checkpoint", path=str(kept)))
-        assert kept.stat().st_size > 0
-        refused(person.call(srv.Checkpoint, "/world/checkpoint", path=str(parts.folder / "profile")), "invalid")
-    parts.interrupt(world)
+        granted(person.call(srv.Checkpoint, "/world/checkpoint", path="now.checkpoint"))
+        assert (kept / "now.checkpoint").stat().st_size > 0
+        for elsewhere in (parts.folder / "now.checkpoint", kept / "profile"):
+            refused(person.call(srv.Checkpoint, "/world/checkpoint", path=str(elsewhere)), "invalid")
+            assert not elsewhere.exists()
+        (kept / "world.checkpoint").rmdir()
+        person.wait((kept / "world.checkpoint").exists, "the checkpoint that failed is tried again")
+    told = parts.interrupt(world)
+    assert "world.checkpoint: could not be written: Is a directory; tried again" in told
+    assert "world.checkpoint: written again" in told
 
 
 def granted(answer: srv.Grab.Response) -> None:

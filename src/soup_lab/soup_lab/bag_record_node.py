@@ -23,7 +23,7 @@ from soup_lab.bag_types import Definitions, UnknownType, message_class
 from soup_lab.bag_writer import NEVER, BagWriter, Topic
 from soup_lab.progress import PLAIN_S, ProgressLine
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import Parser, pattern, positive
+from soup_msgs_py.arguments import Parser, bag_folder, pattern, positive
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
@@ -282,7 +282,7 @@ def offered(profile: QoSProfile) -> Qos:
 def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = Parser("Record a live warehouse, or any ROS graph, into a rosbag2 bag (MCAP).")
-    parser.add_argument("folder", type=Path, metavar="DIR", help="the bag; it must not be there yet")
+    parser.add_argument("folder", type=bag_folder, metavar="DIR", help="the bag; it must not be there yet")
     parser.add_argument("--topics", type=pattern, metavar="REGEX", help="only topics whose whole name matches")
     parser.add_argument("--exclude", type=pattern, metavar="REGEX", help="no topics whose whole name matches")
     parser.add_argument("--compression", choices=("zstd", "none"), default="zstd", help="of the bag")

@@ -17,6 +17,7 @@ from soup_lab.bag_judge import Verdict, judge_course
 from soup_lab.bag_reader import Bag, open_bag
 from soup_lab.bag_summary import differences, summarize
 from soup_msgs_py import arguments as args
+from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.figures import known
 from soup_sim.summary import table, write_summary
@@ -34,8 +35,9 @@ def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     return parser.parse_args(argv)
 
 
+@on_display
 def main(argv: Sequence[str] | None = None) -> int:
-    """Print the table, write the summary; the exit status: 1 where counted figures differ."""
+    """Write the summary, print the table; the exit status: 1 where counted figures differ."""
     options = parse(argv)
     console = Console()
     try:
@@ -48,13 +50,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
+    written = write_summary(options.summary, summary)
     console.print(table(summary))
     console.print(told, highlight=False)
-    if options.summary is not None:
-        write_summary(options.summary, summary)
-    if theirs is None:
-        return 0
-    return compare(console, summary, theirs)
+    differ = compare(console, summary, theirs) if theirs is not None else 0
+    return differ if written else 1
 
 
 def read_summary(path: Path) -> dict[str, Any]:

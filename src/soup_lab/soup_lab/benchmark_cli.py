@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,8 @@ from rich.table import Table
 from soup_lab.planner_speed import NEW, draw_searches, searches
 from soup_lab.speed import Measured, at_constant_density, growth, measure_apart
 from soup_msgs_py import arguments as args
+from soup_msgs_py.display import on_display
+from soup_msgs_py.output_files import OutputError
 from soup_msgs_py.policies import Policies, load_policies
 from soup_sim.summary import write_summary
 
@@ -22,6 +24,7 @@ FLEETS = (125, 250, 500, 1000)
 ENGINE, POLICIES, PLANNER = "engine", "policies", "planner"
 
 
+@on_display
 def main(argv: list[str] | None = None) -> int:
     """Measure what the command line names; the exit status."""
     parser = args.Parser("Measure how fast the warehouse runs in one process, on one core.")
@@ -47,11 +50,10 @@ def main(argv: list[str] | None = None) -> int:
             one.name, str(one.bots), f"{one.compile_s:.1f}", f"{one.real_time_factor:.0f}", f"{one.cost:.2f}",
             "" if cost is None else f"{cost:.2f}", f"{one.memory_mb:.0f}",
         )  # fmt: skip
+    figures = [{**vars(one), "cost_relative_to_n_log_n": r} for one, r in zip(measured, relative, strict=True)]
+    written = write_summary(options.summary, {options.what: figures})
     console.print(shown)
-    if options.summary is not None:
-        figures = [{**vars(one), "cost_relative_to_n_log_n": r} for one, r in zip(measured, relative, strict=True)]
-        write_summary(options.summary, json.loads(json.dumps({options.what: figures})))
-    return 0
+    return 0 if written else 1
 
 
 def _planner(options: argparse.Namespace, console: Console) -> int:
@@ -73,15 +75,18 @@ def _planner(options: argparse.Namespace, console: Console) -> int:
             "makespan": answer.makespan, "nodes_generated": answer.nodes_generated,
             "nodes_expanded": answer.nodes_expanded, "search_seconds": answer.search_s,
         })  # fmt: skip
+    written = write_summary(options.summary, {PLANNER: rows})
+    if options.picture is not None:
+        try:
+            draw_searches(found, options.picture)
+        except OutputError as error:
+            print(error, file=sys.stderr)
+            written = False
     console.print(shown)
     console.print(
         "times faster: than this planner, the optimal one. The paper's medium1: 796,228 generated, 145,842 expanded."
     )
-    if options.picture is not None:
-        draw_searches(found, options.picture)
-    if options.summary is not None:
-        write_summary(options.summary, {PLANNER: rows})
-    return 0
+    return 0 if written else 1
 
 
 def _engine(seconds: float) -> tuple[list[Measured], list[float | None]]:

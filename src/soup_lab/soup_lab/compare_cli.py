@@ -18,11 +18,13 @@ from soup_lab.compare_experiment import Experiment, load_experiment
 from soup_lab.compare_identity import code_digest
 from soup_lab.compare_report import report
 from soup_lab.compare_runs import Failure, Job, OtherCodeError, Outcome, Outcomes, jobs, run_local, run_on_dask
-from soup_lab.compare_store import Store, write_whole
+from soup_lab.compare_store import Store
 from soup_lab.compare_table import markdown, screen
 from soup_lab.runs import Summary
 from soup_msgs_py import arguments as args
+from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.output_files import OutputError, write_whole
 
 STARTS = 3
 TABLE_WIDTH = 190  # characters that the table needs; a file or a pipe has them
@@ -43,6 +45,7 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     return parsed
 
 
+@on_display
 def main(argv: list[str] | None = None) -> int:
     """Run what is not there yet, print the table, write the report; the exit status."""
     options = parse(argv)
@@ -64,13 +67,16 @@ def main(argv: list[str] | None = None) -> int:
 def _sweep(experiment: Experiment, store: Store, options: argparse.Namespace) -> int:
     console = Console(stderr=True)
     analysis = analyse(experiment, _outcomes(experiment, store, options, console))
-    _write(analysis, options.out)
+    unwritten = _write(analysis, options.out)
+    for line in unwritten:
+        print(line, file=sys.stderr)
     shown = Console()
     if not shown.is_terminal:
         shown = Console(width=TABLE_WIDTH)
     shown.print(screen(analysis, wide=shown.width >= TABLE_WIDTH))
-    shown.print(f"report: {options.out / 'report.html'}", highlight=False, soft_wrap=True)
-    return 1 if analysis.failures or analysis.violations else 0
+    if not unwritten:
+        shown.print(f"report: {options.out / 'report.html'}", highlight=False, soft_wrap=True)
+    return 1 if analysis.failures or analysis.violations or unwritten else 0
 
 
 def _outcomes(experiment: Experiment, store: Store, options: argparse.Namespace, console: Console) -> Outcomes:
@@ -134,17 +140,30 @@ def _told(job: Job, outcome: Summary | Failure) -> str:
     return f"{job.case.label}, seed {job.seed}: {came}"
 
 
-def _write(analysis: Analysis, folder: Path) -> None:
-    """The report, the table for a README, the figures as JSON, and what failed with all its details."""
-    write_whole(folder / "report.html", report(analysis))
-    write_whole(folder / "table.md", markdown(analysis))
-    write_whole(folder / "figures.json", json.dumps(as_json(analysis), indent=2) + "\n")
-    failed = folder / "failures.txt"
-    failed.unlink(missing_ok=True)
+def _write(analysis: Analysis, folder: Path) -> list[str]:
+    """The report, the table for a README, the figures as JSON, and what failed with all its details.
+
+    Returns:
+        What could not be written, a line each.
+    """
     details = [
         f"{row.case.label}, seed {seed}\n{failure.details}"
         for row in analysis.rows()
         for seed, failure in row.failures.items()
     ]
-    if details:
-        write_whole(failed, "\n".join(details))
+    texts = {
+        "report.html": report(analysis),
+        "table.md": markdown(analysis),
+        "figures.json": json.dumps(as_json(analysis), indent=2) + "\n",
+        "failures.txt": "\n".join(details),
+    }
+    unwritten = []
+    for name, text in texts.items():
+        try:
+            if text:
+                write_whole(folder / name, text)
+            else:
+                (folder / name).unlink(missing_ok=True)
+        except OutputError as error:
+            unwritten.append(str(error))
+    return unwritten

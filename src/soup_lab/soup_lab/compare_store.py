@@ -6,12 +6,14 @@ import fcntl
 import json
 import os
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from soup_lab.runs import Summary
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.output_files import OutputError, Tell, tell_on_stderr, why, write_whole
 
 FILE = "results.jsonl"
 
@@ -19,34 +21,40 @@ FILE = "results.jsonl"
 class Store:
     """Results by the fingerprint of their run; closed by `with`.
 
+    What the disk has no room for stays in memory, is said once, and is written with the next result.
+
     Args:
         folder: Where the results are; made if there is none.
+        tell: Says something to a person.
 
     Raises:
         InputError: Nothing can be written there, or another sweep writes there now.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, tell: Tell = tell_on_stderr) -> None:
         self.path = folder / FILE
+        self._tell = tell
         self._lines: dict[str, dict[str, Any]] = {}
+        self._unsaved: list[str] = []
+        self._problem = ""
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._file = self.path.open("a+", encoding="utf-8", errors="replace")
+            self._file = self.path.open("a+b", buffering=0)
         except OSError as error:
-            raise InputError("--out", "", f"{folder}: {error.strerror}", "a folder that can be written") from error
+            raise InputError("--out", "", f"{folder}: {why(error)}", "a folder that can be written") from error
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             self._file.close()
             raise InputError("--out", "", f"another sweep at work in {folder}", "a folder of its own") from error
         self._file.seek(0)
-        text = self._file.read()
+        text = self._file.read().decode(errors="replace")
         for line in text.splitlines():
             result = _parsed(line)
             if result is not None:
                 self._lines[result["run"]] = result
         if text and not text.endswith("\n"):  # the last one was interrupted while it wrote
-            self._file.write("\n")
+            self._unsaved.append("\n")
 
     def __enter__(self) -> Store:
         return self
@@ -63,29 +71,40 @@ class Store:
         return line["summary"] if line is not None else None
 
     def add(self, run: str, label: str, summary: Summary) -> None:
-        """Keep the summary of a run; it is on disk afterwards."""
+        """Keep the summary of a run; it is on disk afterwards, if there is room."""
         line = {"run": run, "variant": label, "seed": summary["seed"], "summary": summary}
         self._lines[run] = line
-        self._file.write(json.dumps(line) + "\n")
-        self._file.flush()
-        os.fsync(self._file.fileno())
+        self._unsaved.append(json.dumps(line) + "\n")
+        size = os.fstat(self._file.fileno()).st_size
+        try:
+            data = "".join(self._unsaved).encode()
+            while data:
+                data = data[self._file.write(data) :]
+            os.fsync(self._file.fileno())
+        except OSError as error:
+            with suppress(OSError):
+                self._file.truncate(size)
+            self._note(f"{self.path}: {why(error)}; tried again with the next result")
+        else:
+            self._unsaved.clear()
+            self._note("")
 
     def sort(self, runs: Iterable[str]) -> None:
         """Put the lines of these runs in their order; others stay behind them."""
         order = [run for run in runs if run in self._lines]
         lines = {run: self._lines[run] for run in [*order, *sorted(set(self._lines) - set(order))]}
-        write_whole(self.path, "".join(json.dumps(line) + "\n" for line in lines.values()))
         self._lines = lines
+        try:
+            write_whole(self.path, "".join(json.dumps(line) + "\n" for line in lines.values()))
+            self._unsaved.clear()
+        except OutputError as error:
+            self._tell(f"{error}; it lacks {len(self._unsaved)} results" if self._unsaved else str(error))
 
-
-def write_whole(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    half = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        half.write_text(text, encoding="utf-8")
-        half.replace(path)
-    finally:
-        half.unlink(missing_ok=True)
+    def _note(self, problem: str) -> None:
+        """Tell a problem, but not again with each result."""
+        if problem and not self._problem:
+            self._tell(problem)
+        self._problem = problem
 
 
 def _parsed(line: str) -> dict[str, Any] | None:

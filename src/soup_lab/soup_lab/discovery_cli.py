@@ -9,11 +9,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from soup_msgs_py.arguments import Parser, port
+from soup_msgs_py.display import on_display
 
 PROGRAM = "fast-discovery-server"
 PORT = 11811  # that of Fast DDS
 
 
+@on_display
 def main(argv: Sequence[str] | None = None) -> int:
     """Become the discovery server; returns only where there is none: the exit status."""
     parser = Parser(

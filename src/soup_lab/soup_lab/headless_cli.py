@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 from rich.console import Console
@@ -12,10 +12,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from soup_lab.headless import Headless, make_minds
-from soup_lab.runs import RunPlan, Summary, combine, open_log, run_many, run_once
+from soup_lab.runs import RunPlan, Summary, combine, run_many, run_once
 from soup_msgs_py import arguments as args
+from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.figures import rows, told
+from soup_msgs_py.output_files import GrowingFile
 from soup_msgs_py.policies import ROLES, load_policies, usual_policies
 from soup_sim.setup import load_warehouse
 from soup_sim.summary import table, write_summary
@@ -62,8 +64,9 @@ def _from_bag(parser: args.Parser, parsed: argparse.Namespace) -> argparse.Names
     return parsed
 
 
+@on_display
 def main(argv: list[str] | None = None) -> int:
-    """Run, print the table, write the summary; the exit status."""
+    """Run, write the summary, print the table; the exit status."""
     options = parse(argv)
     console = Console(stderr=True)
     if options.from_bag is not None:
@@ -79,7 +82,7 @@ def main(argv: list[str] | None = None) -> int:
     plan = RunPlan(warehouse, policies, options.duration, options.warmup)
     try:
         summary = _one(plan, options, console) if options.replications == 1 else _several(plan, options, console)
-    except InputError as error:  # of a world of cells that has no plan
+    except InputError as error:  # also of a world of cells that has no plan
         print(error, file=sys.stderr)
         return 2
     except RunError as error:
@@ -88,9 +91,14 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("stopped before the end; no summary", file=sys.stderr)
         return 130
-    if options.summary is not None:
-        write_summary(options.summary, summary)
-    return 0 if summary["violations"] == 0 else 1
+    return _end(options, summary, _means(summary) if options.replications > 1 else table(summary))
+
+
+def _end(options: argparse.Namespace, summary: Summary, shown: Table) -> int:
+    """Write the summary, then show the table: a screen may fail; the exit status."""
+    written = write_summary(options.summary, summary)
+    Console().print(shown)
+    return 0 if written and summary["violations"] == 0 else 1
 
 
 def _what_if(options: argparse.Namespace, console: Console) -> int:
@@ -117,13 +125,13 @@ def _what_if(options: argparse.Namespace, console: Console) -> int:
     plan = RunPlan(moment.warehouse, policies, end)
     try:
         summary = _one(plan, options, console, world)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print("stopped before the end; no summary", file=sys.stderr)
         return 130
-    Console().print(beside(moment.original(), summary, max(begin, moment.announcement.warmup_s)))
-    if options.summary is not None:
-        write_summary(options.summary, summary)
-    return 0 if summary["violations"] == 0 else 1
+    return _end(options, summary, beside(moment.original(), summary, max(begin, moment.announcement.warmup_s)))
 
 
 def _one(plan: RunPlan, options: argparse.Namespace, console: Console, world: World | None = None) -> Summary:
@@ -135,7 +143,7 @@ def _one(plan: RunPlan, options: argparse.Namespace, console: Console, world: Wo
     )
     with ExitStack() as files:
         log, decisions = [
-            files.enter_context(open_log(path)) if path is not None else None
+            files.enter_context(closing(GrowingFile(path))) if path is not None else None
             for path in (options.event_log, options.explain)
         ]
         bar = files.enter_context(Progress(*columns, console=console, transient=True, disable=not console.is_terminal))
@@ -145,8 +153,10 @@ def _one(plan: RunPlan, options: argparse.Namespace, console: Console, world: Wo
             bar.update(task, completed=run.world.now)
 
         summary = run_once(plan, options.seed, log, show, decisions, world)
-    if world is None:
-        Console().print(table(summary))
+        bar.stop()
+        for file in (log, decisions):
+            if file is not None:
+                file.finish()
     return summary
 
 
@@ -159,11 +169,15 @@ def _several(plan: RunPlan, options: argparse.Namespace, console: Console) -> Su
         for summary in run_many(plan, seeds, options.processes):
             summaries.append(summary)
             bar.advance(task)
-    combined = combine(summaries)
-    shown = Table("figure", "mean", "± 95 %", "unit", title=f"{len(seeds)} replications", title_justify="left")
+    return combine(summaries)
+
+
+def _means(combined: Summary) -> Table:
+    """The means of many runs for the screen."""
+    title = f"{len(combined['replications'])} replications"
+    shown = Table("figure", "mean", "± 95 %", "unit", title=title, title_justify="left")
     shown.columns[1].justify = shown.columns[2].justify = "right"
     for key, words, mean, unit in rows({key: combined[key] for key in combined["interval_95"]}):
         shown.add_row(words, mean, told(key, combined["interval_95"][key]), unit)
     shown.add_row("violations", told("violations", combined["violations"]), "", "in all runs")
-    Console().print(shown)
-    return combined
+    return shown

@@ -39,7 +39,10 @@ def become(name: str, module: str, arguments: tuple[str, ...], errors: Path, env
         os._exit(1)
     ctypes.CDLL(None).prctl(PR_SET_NAME, name.encode()[:15], 0, 0, 0)
     nothing = os.open(os.devnull, os.O_WRONLY)
-    words = os.open(errors, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+    try:
+        words = os.open(errors, os.O_WRONLY | os.O_APPEND | os.O_CREAT, 0o600)
+    except OSError:  # no room: its reports have to do
+        words = nothing
     os.dup2(nothing, 1)
     os.dup2(words, 2)
     os.environ.clear()

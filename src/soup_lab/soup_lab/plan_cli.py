@@ -18,7 +18,9 @@ from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import RULES, Answer, Task
 from soup_msgs_py import arguments as args
 from soup_msgs_py.cell_world import read_world
+from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.output_files import OutputError
 from soup_sim.summary import write_summary
 
 SHOWN_STEP_S = 0.15
@@ -53,8 +55,9 @@ def parse(argv: list[str] | None) -> argparse.Namespace:
     return options
 
 
+@on_display
 def main(argv: list[str] | None = None) -> int:
-    """Plan, check, show and write; the exit status: 0 for a plan, 1 for none."""
+    """Plan, check, write and show; the exit status: 0 for a plan, 1 for none."""
     options = parse(argv)
     try:
         world = read_world(options.world)
@@ -71,20 +74,23 @@ def main(argv: list[str] | None = None) -> int:
         rules = task.rules
         check_plan(world, answer.plans, may_wait=may_wait, must_leave=rules.must_leave, carries_over=rules.carries_over)
     summary = figures(options, answer, len(world.robots), len(world.boxes))
+    written = write_summary(options.summary, summary)
+    if options.picture is not None and answer.plans is not None:
+        try:
+            draw_plan(world, answer.plans, options.picture)
+        except OutputError as error:
+            print(error, file=sys.stderr)
+            written = False
     _print(summary, answer)
-    if options.summary is not None:
-        write_summary(options.summary, summary)
     if answer.plans is None:
         print(f"{options.world}: {answer.note}; lower bound {_text(answer.lower_bound)}", file=sys.stderr)
         return 1
-    if options.picture is not None:
-        draw_plan(world, answer.plans, options.picture)
     if options.show:
         for now in play(world, answer.plans, may_wait=True):
             print(f"\nstep {now.step}\n{draw(world, now)}", flush=True)
             if sys.stdout.isatty():
                 time.sleep(SHOWN_STEP_S)
-    return 0
+    return 0 if written else 1
 
 
 def figures(options: argparse.Namespace, answer: Answer, robots: int, boxes: int) -> dict[str, Any]:

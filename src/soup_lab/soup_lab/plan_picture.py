@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from soup_managers.planners.check import Picture, play
 from soup_msgs_py.cell_world import World
+from soup_msgs_py.output_files import whole
 
 INCHES_A_CELL = 0.3
 FRAMES_A_SECOND = 4
@@ -20,20 +21,26 @@ WALL, SHELF, BOX, FILLED = "#444444", "#d8c8a8", "#b5651d", "#8a6d3b"
 
 
 def draw_plan(world: World, plans: Sequence[str], path: Path) -> None:
-    """Draw a plan into a file: `.gif` plays it, anything else shows the ways."""
+    """Draw a plan into a file: `.gif` plays it, anything else shows the ways.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
     pictures = list(play(world, plans, may_wait=True))
     figure = Figure(figsize=(max(2.0, world.width * INCHES_A_CELL), max(2.0, world.height * INCHES_A_CELL)))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     if path.suffix == ".gif":
         animation = FuncAnimation(figure, lambda step: _floor(axes, world, pictures[step]), frames=len(pictures))
-        animation.save(str(path), writer=PillowWriter(fps=FRAMES_A_SECOND))
+        with whole(path) as half:
+            animation.save(str(half), writer=PillowWriter(fps=FRAMES_A_SECOND))
         return
     _floor(axes, world, pictures[0])
     for robot in range(len(plans)):
         way = np.array([now.robots[robot] for now in pictures], float)
         aside = 0.3 * (robot / max(1, len(plans) - 1) - 0.5)  # so that ways along one aisle can be told apart
         axes.plot(way[:, 0] + aside, way[:, 1] + aside, color=f"C{robot % 10}", linewidth=1.5)
-    figure.savefig(path, dpi=120)
+    with whole(path) as half:
+        figure.savefig(half, dpi=120)
 
 
 def _floor(axes: Axes, world: World, now: Picture) -> list[Any]:

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import PAPER, Answer, Task
 from soup_msgs_py.cell_world import World, parse_world, read_world
+from soup_msgs_py.output_files import whole
 
 OLD, NEW = ("single-action", "multi-action"), "optimal"
 COLOURS = {"single-action": "#c8553d", "multi-action": "#3d4852", NEW: "#1b7f5c"}
@@ -75,7 +76,11 @@ def _all(figure: str, worlds: list[World], planners: tuple[str, ...], limit_s: f
 
 @matplotlib.rc_context(SETTINGS)
 def draw_searches(found: list[Searched], path: Path) -> None:
-    """Figures 4 and 5 of the paper side by side, seconds on a logarithmic scale; hollow: given up."""
+    """Figures 4 and 5 of the paper side by side, seconds on a logarithmic scale; hollow: given up.
+
+    Raises:
+        OutputError: It cannot be written.
+    """
     figure = Figure(figsize=(9.0, 3.6), layout="constrained")
     for axes, name, along in zip(
         figure.subplots(1, 2, sharey=True), ("figure 4: robots", "figure 5: boxes"), ("robots", "boxes"), strict=True
@@ -98,4 +103,5 @@ def draw_searches(found: list[Searched], path: Path) -> None:
         axes.set_title(name)
     figure.axes[0].set_ylabel("seconds of search")
     figure.axes[0].legend(frameon=False)
-    figure.savefig(path)
+    with whole(path) as half:
+        figure.savefig(half)

@@ -8,14 +8,14 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
-from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from scipy.stats import t as student
 
 from soup_lab.headless import Headless
 from soup_managers.explain import write_lines
 from soup_msgs_py.messages import Event
+from soup_msgs_py.output_files import Lines
 from soup_msgs_py.policies import Policies
 from soup_sim.checkpoint import come_to_rest
 from soup_sim.event_log import EventLog
@@ -42,9 +42,9 @@ class RunPlan:
 def run_once(
     plan: RunPlan,
     seed: int,
-    event_log: IO[str] | None = None,
+    event_log: Lines | None = None,
     progress: Progress | None = None,
-    explain: IO[str] | None = None,
+    explain: Lines | None = None,
     world: World | None = None,
 ) -> Summary:
     """Run a warehouse in this process and judge it.
@@ -136,8 +136,3 @@ def combine(summaries: list[Summary]) -> Summary:
     means["interval_95"] = widths
     means["replications"] = summaries
     return means
-
-
-def open_log(path: Path) -> IO[str]:
-    """A file for an event log or for decisions; the caller closes it."""
-    return path.open("w", encoding="utf-8", buffering=1 << 20)

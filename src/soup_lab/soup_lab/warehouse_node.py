@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -29,7 +30,8 @@ from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import WAITS, PartsWatch
+from soup_msgs_py.live.report import TOLD, WAITS, PartsWatch
+from soup_msgs_py.output_files import why, write_whole
 from soup_msgs_py.policies import ROLES, load_policies, usual_policies
 from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
@@ -55,7 +57,9 @@ def parse(argv: Sequence[str] | None, scenario: Path | None, policies: Path | No
     parser.add_argument("--bot-processes", type=args.processes, metavar="N", help="processes that share the bots")
     parser.add_argument("--no-dashboard", action="store_true", help="without the browser page")
     parser.add_argument("--port", type=args.port, default=8080, help="of the browser page")
-    parser.add_argument("--record", type=Path, metavar="DIR", help="record all topics into a new rosbag2 bag")
+    parser.add_argument(
+        "--record", type=args.bag_folder, metavar="DIR", help="record all topics into a new rosbag2 bag"
+    )
     args.add_checkpoint(parser)
     options = parser.parse_args(argv)
     if options.policies is None and policies is not None:
@@ -82,7 +86,6 @@ def run(options: argparse.Namespace) -> int:
     warehouse = load_warehouse(options.scenario, options.set)
     make_minds(policies, warehouse.scenario)
     if options.record is not None:
-        options.record = options.record.absolute()
         if options.record.exists():
             raise InputError(
                 "--record", "", f"{options.record}, which is there already", "a folder that is not there yet"
@@ -94,25 +97,29 @@ def run(options: argparse.Namespace) -> int:
     groups = bot_groups(bots, options.bot_processes)
     stay_on_this_machine(len(groups) + OTHERS)
     console = Console()
-    with Live("warehouse") as live, tempfile.TemporaryDirectory() as folder:
+    with Live("warehouse") as live, ExitStack() as files:
         node = live.node("warehouse")
         refuse_second_world(live, node)
         if live.stopping:
             return 130
         console.print(f"words: {warehouse.words.describe()}", highlight=False)
-        summary_file = Path(folder) / "summary.json"
-        parts = make_parts(options, groups, Path(folder), summary_file)
-        processes = Processes(Path(folder))
+        folder = temporary_folder(files)
+        summary_file = folder / "summary.json"
+        os.mkfifo(summary_file)  # it needs no room on the disk
+        figures = files.enter_context(open(summary_file, opener=_not_waiting, encoding="utf-8"))
+        if options.explain is not None:
+            write_whole(options.explain, "")  # the managers append to it
+        parts = make_parts(options, groups, folder, summary_file)
+        processes = Processes(folder)
+        watch = PartsWatch(live, node)
         show = Progress(console, options.duration, options.speed)
         try:
-            watch = PartsWatch(live, node)
 
             def show_figures(message: msg.Statistics) -> None:
                 show(from_statistics(message), watch.at_work.get(WORLD, {}).get(WAITS, ""))
+                show.tell_new(watch.at_work)
 
             live.subscribe(node, msg.Statistics, topics.STATISTICS, show_figures, DISPLAY)
-            if options.explain is not None:
-                options.explain.write_text("", encoding="utf-8")  # the managers append to it
             supervisor = Supervisor(live, node, processes, parts, show.tell)
             get_ready(live, node, watch, [part.name for part in parts], bots)
             supervisor.settled = True
@@ -122,15 +129,35 @@ def run(options: argparse.Namespace) -> int:
             # the recorder last: it hears what the others say at their end
             processes.end([part.name for part in parts if part.name != RECORDER])
             processes.end()
-        if not summary_file.exists():
+            show.tell_new(watch.at_work)
+        text = figures.read()
+        if not text:
             raise RunError(f"{WORLD} {processes.last_words(WORLD)}")
-        summary = json.loads(summary_file.read_text(encoding="utf-8"))
+    summary = json.loads(text)
+    written = write_summary(options.summary, summary)
     console.print(table(summary))
-    if options.summary is not None:
-        write_summary(options.summary, summary)
     if summary["violations"]:
         raise RunError(f"{summary['violations']} conservation laws were broken")
+    if not written:
+        return 1
     return 130 if live.ended_by and options.duration is not None else 0
+
+
+def temporary_folder(files: ExitStack) -> Path:
+    """A folder for what the parts keep during a run; it is gone when the run is over.
+
+    Raises:
+        InputError: There is no room for it.
+    """
+    try:
+        return Path(files.enter_context(tempfile.TemporaryDirectory()))
+    except OSError as error:
+        raise InputError("TMPDIR", "", why(error), "a folder for temporary files with room") from error
+
+
+def _not_waiting(path: str, flags: int) -> int:
+    """Open a pipe to which nobody writes yet."""
+    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def bot_groups(bots: int, processes: int | None) -> list[tuple[int, ...]]:
@@ -228,6 +255,7 @@ class Progress:
         self._console, self._speed = console, speed
         self._of = f" of {duration:,.0f}" if duration is not None else ""
         self._line = ProgressLine(console, "the parts are starting")
+        self._told: dict[str, str] = {}
 
     def __call__(self, figures: dict[str, float | int], waits: str) -> None:
         """Show the newest figures; of a run that is slow also how much the world waits, and for whom."""
@@ -244,6 +272,14 @@ class Progress:
     def tell(self, line: str) -> None:
         """Show a line of its own: something happened."""
         self._console.print(line, highlight=False)
+
+    def tell_new(self, parts: dict[str, dict[str, str]]) -> None:
+        """Show what parts have to tell a person, once."""
+        for name, values in parts.items():
+            line = values.get(TOLD, "")
+            if line and line != self._told.get(name):
+                self._told[name] = line
+                self.tell(f"{name}: {line}")
 
     def close(self) -> None:
         """Take the line away. Can be called twice."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from soup_msgs_py.output_files import Lines
 from soup_msgs_py.tiles import tile_name
 
 ALTERNATIVES = 5
@@ -100,7 +101,7 @@ class Explain:
         self._sink({**entry, **name(int(chosen)), "alternatives": alternatives})
 
 
-def write_lines(file: IO[str]) -> Sink:
+def write_lines(file: Lines) -> Sink:
     """A sink that writes each choice as one line of JSON."""
 
     def write(entry: dict[str, Any]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +30,7 @@ from soup_msgs_py.messages import (
     TaskResult,
 )
 from soup_msgs_py.mind import Message, Mind
+from soup_msgs_py.output_files import SharedFile
 from soup_msgs_py.policies import PolicyChoice, load_policies
 from soup_msgs_py.qos import EVERY_ONE, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
@@ -150,11 +151,11 @@ def run_manager(
         check(choice)
         stay_on_this_machine()
         with ExitStack() as files:
+            live = files.enter_context(Live(f"{role} manager", starts_again=True))
             sink = None
             if options.explain is not None:
-                # whole lines at the end: the managers of one warehouse may share the file
-                sink = write_lines(files.enter_context(options.explain.open("a", encoding="utf-8", buffering=1)))
-            live = files.enter_context(Live(f"{role} manager", starts_again=True))
+                # the managers of one warehouse may share the file
+                sink = write_lines(files.enter_context(closing(SharedFile(options.explain, live.tell))))
             make_node(live, choice, options.seed, Explain(sink), options.take_over)
             live.spin()
 

@@ -12,8 +12,10 @@ from pathlib import Path
 from typing import NoReturn
 
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.output_files import LONGEST_NAME, why
 
 MOST_BOTS = 100_000
+BAG_FILE = "_0000.mcap"  # what comes after the name of a bag's folder in those of its files
 
 
 class Parser(argparse.ArgumentParser):
@@ -88,12 +90,33 @@ def replications(text: str) -> int:
 
 def output_file(text: str) -> Path:
     """A file to write: its folder exists and can be written, and it is no folder itself."""
-    path = Path(text).absolute()
+    path = _new_path(text)
     if not path.parent.is_dir():
         raise argparse.ArgumentTypeError(f"found no folder {path.parent}; allowed: a file in a folder that exists")
-    if path.is_dir() or not os.access(path.parent, os.W_OK):
+    pipe = path.exists() and not path.is_file()  # or a device: nothing is made beside it
+    if path.is_dir() or not os.access(path if pipe else path.parent, os.W_OK):
         raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a file that can be written")
     return path
+
+
+def bag_folder(text: str) -> Path:
+    """The folder of a bag, whose files are called after it."""
+    return _new_path(text, BAG_FILE)
+
+
+def _new_path(text: str, end: str = "") -> Path:
+    """A path that the system can take, also with something at its end."""
+    path = Path(text).absolute()
+    longest = LONGEST_NAME - len(end)
+    allowed = f"a name of at most {longest} bytes, in a folder that exists"
+    try:
+        if len(os.fsencode(path.name)) <= longest:
+            path.is_dir()
+            return path
+        found = f"a name of {len(os.fsencode(path.name)):,} bytes"
+    except OSError as error:
+        found = f"a path of {len(os.fsencode(path)):,} bytes ({why(error)})"
+    raise argparse.ArgumentTypeError(f"found {found}; allowed: {allowed}")
 
 
 def bots(text: str) -> tuple[int, ...]:
@@ -151,11 +174,11 @@ def add_explain(parser: Parser) -> None:
 
 def folder(text: str) -> Path:
     """A folder to write to; it is made where there is none."""
-    path = Path(text).absolute()
+    path = _new_path(text)
     try:
         path.mkdir(exist_ok=True)
     except OSError as error:
-        raise argparse.ArgumentTypeError(f"found {text!r} ({error.strerror}); allowed: a folder") from error
+        raise argparse.ArgumentTypeError(f"found {text!r} ({why(error)}); allowed: a folder") from error
     if not os.access(path, os.W_OK):
         raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a folder that can be written to")
     return path

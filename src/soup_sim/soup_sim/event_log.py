@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from dataclasses import fields
-from typing import IO
 
 from soup_msgs_py.messages import Event
+from soup_msgs_py.output_files import Lines
 
 _DEFAULTS = {f.name: f.default for f in fields(Event)}
 _OPTIONAL = tuple(f.name for f in fields(Event) if f.name not in ("time", "sequence", "type"))
@@ -25,7 +25,7 @@ def event_line(event: Event) -> str:
 class EventLog:
     """Writes events to a text file as they happen."""
 
-    def __init__(self, file: IO[str]) -> None:
+    def __init__(self, file: Lines) -> None:
         self._file = file
 
     def __call__(self, event: Event) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from rich.table import Table
 
 from soup_msgs_py.figures import FIGURES, rows
+from soup_msgs_py.output_files import OutputError, Tell, tell_on_stderr, write_whole
 from soup_msgs_py.policies import ROLES, Policies
 from soup_msgs_py.scenario import Scenario
 
@@ -47,15 +47,24 @@ def make_summary(
     return {key: _plain(values[key]) for key in KEYS}
 
 
-def write_summary(path: str | Path, summary: Mapping[str, Any]) -> None:
-    """Write a summary as JSON, whole or not at all."""
-    path = Path(path)
-    half = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        half.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-        half.replace(path)
-    finally:
-        half.unlink(missing_ok=True)
+def write_summary(path: Path | None, summary: Mapping[str, Any], tell: Tell = tell_on_stderr) -> bool:
+    """Write a summary as JSON, whole or not at all. Do it before anything is shown: a screen may fail.
+
+    Args:
+        path: Where to, if anybody wants it.
+        summary: The figures.
+        tell: Says why it could not be written.
+
+    Returns:
+        Whether all is as asked for.
+    """
+    if path is not None:
+        try:
+            write_whole(path, json.dumps(summary, indent=2) + "\n")
+        except OutputError as error:
+            tell(str(error))
+            return False
+    return True
 
 
 def table(summary: Mapping[str, Any]) -> Table:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+import os
 import secrets
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +31,14 @@ from soup_msgs_py.arguments import (
     check_run,
 )
 from soup_msgs_py.codes import Code
+from soup_msgs_py.errors import InputError
 from soup_msgs_py.live.domain import only_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import WAITS, PartsWatch, Report
 from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.messages import BotReply, Event, Heard, Reply, WorldState
 from soup_msgs_py.mind import Message
+from soup_msgs_py.output_files import OutputError
 from soup_msgs_py.policies import Policies, policies_of
 from soup_msgs_py.qos import COMMANDS, EVERY_ONE, LATCHED, SHOWN
 from soup_msgs_py.wire import (
@@ -52,7 +56,16 @@ from soup_msgs_py.wire import (
     to_stamp,
     to_statistics,
 )
-from soup_sim.checkpoint import come_to_rest, make_checkpoint, restore_checkpoint, write_checkpoint
+from soup_sim.checkpoint import (
+    SUFFIX,
+    come_to_rest,
+    hold_folder,
+    make_checkpoint,
+    place_for,
+    restore_checkpoint,
+    write_checkpoint,
+)
+from soup_sim.checkpoint_state import Books
 from soup_sim.listeners import Listeners
 from soup_sim.markers_node import Markers
 from soup_sim.pacing import Pacer
@@ -74,10 +87,9 @@ STATE_S = 2.0  # wall time between two checkpoints on a topic, where somebody li
 LONGEST_STEP_S = 3600.0
 RUN_BITS = 62  # of the number of a run; 0 is for worlds that nobody follows over a network
 FAREWELL_S = 2.0  # wall time at most, for everybody to get the last messages
-NEWEST = "world.checkpoint"
+NEWEST = f"world{SUFFIX}"
 CHECKPOINT_S = 10.0  # wall time between two, where nobody says how much simulated time
 FASTEST = 10.0  # the real-time factor that is expected of a world without a limit
-CHECKPOINT_SUFFIX = ".checkpoint"  # so that nobody on the network can have another file overwritten
 
 
 class WorldNode:
@@ -134,6 +146,7 @@ class WorldNode:
         self._scenario.publish(to_ros(announcement))
         self._state_time = -1.0  # of the newest checkpoint on the topic
         self._checkpoints: Path | None = None
+        self._checkpoint_problem = ""
         self._every_s = self._checkpoint_due = 0.0
         self._poses_s = world.scenario.bot.radius_m / world.scenario.bot.max_speed_mps
         self._clock_due = self._poses_due = self._judge_due = 0.0
@@ -196,13 +209,15 @@ class WorldNode:
             self._record.poses(world.bots(), world.buckets())
         if self._checkpoints is not None and world.now >= self._checkpoint_due:
             self._checkpoint_due = world.now + self._every_s
-            self._write_checkpoint(self._checkpoints)
+            self._keep_checkpoint(self._checkpoints)
         if self._steps and self._pacer.paused:
             for answer in self._steps:
                 answer.give(fill_result(srv.Step.Response(), Code.DONE, f"it is {world.now:g} s now"))
             self._steps.clear()
         if world.now >= self._pacer.end:
             self.over = True
+            self._record.flush()
+            self._report.publish()
             self._publish_snapshot()
             self._publish_statistics()
             for publisher in (self._events, self._replies, self._snapshot, self._statistics):
@@ -310,27 +325,31 @@ class WorldNode:
         answer.give(fill_result(srv.SetSpeed.Response(), Code.DONE, f"the real-time factor is {factor:g}"))
 
     def _on_checkpoint(self, request: srv.Checkpoint.Request, answer: Answer) -> None:
-        path = Path(request.path)
-        code, message = Code.DONE, f"written to {path}"
-        if path.suffix != CHECKPOINT_SUFFIX:
-            code, message = (
-                Code.INVALID,
-                f"found {request.path!r}; allowed: a file that ends in {CHECKPOINT_SUFFIX}",
-            )
-        else:
-            try:
-                self._write_checkpoint(path)
-            except OSError as error:
-                code, message = Code.INVALID, f"{path}: {error.strerror}"
+        try:
+            path = place_for(self._checkpoints.parent if self._checkpoints is not None else None, request.path)
+            self._write_checkpoint(path)
+            code, message = Code.DONE, f"written to {path}"
+        except (InputError, OutputError) as error:
+            code, message = Code.INVALID, str(error)
         answer.give(fill_result(srv.Checkpoint.Response(), code, message))
 
+    def _keep_checkpoint(self, path: Path) -> None:
+        """Write the newest checkpoint; one that cannot be written is tried again when the next one is due."""
+        before = self._checkpoint_problem
+        try:
+            self._write_checkpoint(path)
+            self._checkpoint_problem = ""
+        except OutputError as error:
+            self._checkpoint_problem = str(error)
+        if self._checkpoint_problem and not before:
+            self._live.tell(f"{self._checkpoint_problem}; tried again every {self._every_s:g} s, the run goes on")
+        elif before and not self._checkpoint_problem:
+            self._live.tell(f"{path}: written again")
+
     def _write_checkpoint(self, path: Path) -> None:
-        books = {
-            **self._record.capture(),
-            "wall_seconds": self._pacer.wall_seconds,
-            "parts": self._listeners.names,
-        }
-        write_checkpoint(path, self._world, books)
+        books = self._record.capture()
+        more = {"wall_seconds": self._pacer.wall_seconds, "parts": tuple(self._listeners.names)}
+        write_checkpoint(path, self._world, books.model_copy(update=more))
 
     def _publish(self, publisher: Any, message: Any) -> None:
         publisher.publish(to_ros_of(self._world.run, message))
@@ -381,8 +400,8 @@ def main(argv: Sequence[str] | None = None, *, scenario: Path | None = None) -> 
     return exit_status(lambda: run_world(options))
 
 
-def run_world(options: Any) -> None:
-    """Run a world as the command line says.
+def run_world(options: Any) -> int:
+    """Run a world as the command line says; the exit status.
 
     Raises:
         InputError: Scenario, words or layout are wrong, or there is another world.
@@ -392,34 +411,35 @@ def run_world(options: Any) -> None:
     stay_on_this_machine()
     with Live("world") as live:
         node = live.node(topics.WORLD_NODE)
-        with only_world(live, node, look=not options.restore):
+        with only_world(live, node, look=not options.restore), ExitStack() as files:
             if live.stopping:
-                return
+                return 0
             console = Console()
             console.print(warehouse.words.describe(), style="dim", highlight=False)
             world = warehouse.world(options.seed, options.warmup, run=secrets.randbits(RUN_BITS))
             pacer = Pacer(options.speed, options.duration or float("inf"), paused=options.paused)
-            books: dict[str, Any] = {}
+            books = Books()
             file = options.checkpoint / NEWEST if options.checkpoint is not None else None
+            if file is not None:
+                files.callback(os.close, hold_folder(file.parent))
             if options.restore and file is not None and file.exists():
                 books = restore_checkpoint(file, world)
-                pacer.wall_seconds = books.get("wall_seconds", 0.0)
-            record = RunRecord(world, options.seed, options.summary, options.event_log, books)
-            try:
-                if books:
-                    for said in come_to_rest(world):
-                        if isinstance(said, Event):
-                            record.event(said)
-                shell = WorldNode(live, node, world, pacer, record, books.get("parts", ()))
-                if file is not None:
-                    shell.keep_checkpoints(file, options.every)
-                live.spin()
-                summary = record.finish(pacer.wall_seconds, shell.policies())
-            finally:
-                record.close()
+                pacer.wall_seconds = books.wall_seconds
+            record = RunRecord(world, options.seed, options.summary, options.event_log, books, live.tell)
+            files.enter_context(closing(record))
+            if world.now > 0.0:
+                for said in come_to_rest(world):
+                    if isinstance(said, Event):
+                        record.event(said)
+            shell = WorldNode(live, node, world, pacer, record, books.parts)
+            if file is not None:
+                shell.keep_checkpoints(file, options.every)
+            live.spin()
+            summary = record.finish(pacer.wall_seconds, shell.policies())
     console.print(table(summary))
     for line in record.why():
         console.print(line, style="red", highlight=False)
+    return 0 if record.is_written else 1
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
+from soup_msgs_py.display import display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain_id import domain_id
 from soup_msgs_py.wire import MalformedMessage, from_ros
@@ -45,6 +46,7 @@ class Live:
         malformed: Messages that made no sense and were dropped.
         foreign: Messages of another run of the world, which were dropped.
         ended_by: The signal that ended the process, 0 for none.
+        told: What it has last told the person who started it; its reports say that, too.
     """
 
     def __init__(self, name: str, *, starts_again: bool = False) -> None:
@@ -64,6 +66,7 @@ class Live:
         self.malformed = 0
         self.foreign = 0
         self.ended_by = 0
+        self.told = ""
         self._stopping = False
         self._carried = 0  # callbacks so far
         self._error: BaseException | None = None
@@ -149,6 +152,11 @@ class Live:
     def every(self, period_s: float, function: Callable[[], None]) -> None:
         """Call a function about every `period_s` seconds of wall time, never sooner after its last end."""
         self._periodic.append(_Periodic(period_s, self.guard(function)))
+
+    def tell(self, line: str) -> None:
+        """Say something to the person who started the process, wherever that was."""
+        self.told = line
+        print(f"{self.name}: {line}", file=sys.stderr, flush=True)
 
     def at_end(self, function: Callable[[], None]) -> None:
         """Call a function before the process leaves the graph."""
@@ -335,7 +343,8 @@ class _Periodic:
 def exit_status(main: Callable[[], int | None]) -> int:
     """Run a program's main function; its exit status: 0 done, 1 the run failed, 2 the input is wrong."""
     try:
-        return main() or 0
+        with display():
+            return main() or 0
     except InputError as error:
         print(error, file=sys.stderr)
         return 2

@@ -19,6 +19,7 @@ PERIOD_S = 1.0
 SILENT_S = 3.0  # a process that has said nothing for so long does not wait
 PATIENCE_S = 1.0  # a wait that takes longer is told on stderr, once
 AT_WORK = "at work"
+TOLD = "told"  # the value that says what the process has told a person
 WAITS = "waits"  # the value that says how much the world waits for the others
 
 
@@ -56,18 +57,19 @@ class Report:
         if (message, waits) != (self._message, self._waits):
             self._message, self._waits = message, waits
             self._since = time.monotonic()
-            self._publish()
+            self.publish()
 
     def _repeat(self) -> None:
-        self._publish()
+        self.publish()
         late = time.monotonic() - self._since > PATIENCE_S
         if self._waits and self._message and late and self._message != self._told:
             self._told = self._message
             print(f"{self._live.name}: {self._message}", file=sys.stderr, flush=True)
 
-    def _publish(self) -> None:
+    def publish(self) -> None:
+        """Say it now."""
         dropped = {"malformed_messages": str(self._live.malformed), "foreign_messages": str(self._live.foreign)}
-        values = {**self.values, **dropped, "pid": str(os.getpid())}
+        values = {**self.values, TOLD: self._live.told, **dropped, "pid": str(os.getpid())}
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if self._waits else DiagnosticStatus.OK,
             name=self.name,
