@@ -183,3 +183,29 @@ def test_a_snapshot_that_holds_more_is_taken_over(view, world):
     world.sequence = 12
     assert view.reset(world.snapshot())
     assert view.sequence == 12
+
+
+def test_an_event_far_ahead_that_was_nobodys_does_not_keep_a_view_lost(view, world):
+    view.apply(transfer(5_000, bucket=0, station=1, tile=0, job=0))
+    world.sequence = 11
+    assert not view.reset(world.snapshot())
+    assert view.reset(world.snapshot())
+    assert not view.lost
+    assert view.apply(transfer(12, bucket=0, station=1, tile=0, job=0))
+
+
+@pytest.mark.parametrize(
+    "foreign",
+    [
+        transfer(11, bucket=9_999, station=1, tile=0, job=0),
+        transfer(11, bucket=0, station=1, tile=77, job=0),
+        Event(0.0, 11, EventType.GRABBED, bot=9_999, bucket=0, x=1.0, y=1.0),
+        Event(0.0, 11, EventType.BUNDLE_STAGED, job=9, station=9_999, tile=0, count=1),
+    ],
+)
+def test_an_event_of_what_is_not_there_makes_the_view_lost_until_the_next_snapshot(view, world, foreign):
+    assert not view.apply(foreign)
+    assert view.lost
+    assert view.reset(world.snapshot()) or view.reset(world.snapshot())
+    assert not view.lost
+    assert view.contents[0] == {0: 2}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +11,10 @@ import pytest
 from rclpy.serialization import serialize_message
 
 from soup_msgs_py import topics
+from soup_msgs_py.allegiance import SILENT_S
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.live.follower import Follower
-from soup_msgs_py.messages import Beat, Heard
+from soup_msgs_py.messages import AssignBundle, Beat, Event, Heard
 from soup_msgs_py.mind import EVERYTHING, NEVER
 from soup_msgs_py.wire import Announcement, from_ros, to_ros
 from soup_sim.setup import load_warehouse
@@ -47,6 +50,9 @@ class Wires:
     def at_end(self, _function: Any) -> None:
         pass
 
+    def belongs(self, said: int, run: int) -> bool:
+        return run in (0, said)
+
     def waits(self, _why: str) -> None:
         pass
 
@@ -59,6 +65,7 @@ class Mind:
 
     next_wake = NEVER
     reacts_to = EVERYTHING
+    lost = False
 
     def handle(self, message: Any, now: float) -> list[Any]:
         return []
@@ -77,11 +84,21 @@ class Part:
         self.follower = Follower(
             live, live, live, lambda _: Mind(), lambda _: None, lambda: "", holds=lambda _: self.hold
         )
-        world = load_warehouse(CONFIG / "scenarios/demo.yaml", []).world(1, run=1)
-        profile = tuple(map(float, world.tile_profile))
-        wires.takes[topics.SCENARIO](Announcement(world.now, world.scenario, world.layout, profile, world.run))
-        wires.takes[topics.SNAPSHOT](serialize_message(to_ros(world.snapshot())))
+        self.world = load_warehouse(CONFIG / "scenarios/demo.yaml", []).world(1, run=1)
+        self.announce(1)
+        self.snapshot(1)
         assert self.follower.in_step
+
+    def announce(self, run: int) -> None:
+        """A world of this run begins, or a bag of it is played."""
+        world = self.world
+        profile = tuple(map(float, world.tile_profile))
+        self.wires.takes[topics.SCENARIO](Announcement(world.now, world.scenario, world.layout, profile, run))
+
+    def snapshot(self, run: int) -> None:
+        """It sends a snapshot."""
+        snapshot = replace(self.world.snapshot(), run=run)
+        self.wires.takes[topics.SNAPSHOT](serialize_message(to_ros(snapshot)))
 
     def beat(self, number: int, time: float) -> None:
         """The world says a beat."""
@@ -140,3 +157,38 @@ def test_the_world_is_told_when_the_mind_reacts_to_other_events_than_before(part
     mind.reacts_to = frozenset({EventType.GRABBED})
     part.follower.tell(Beat(2.0, 0))
     assert part.wires.said[-1].reacts == {EventType.GRABBED}
+
+
+def test_a_part_stays_with_its_world_while_the_bag_of_another_run_is_played(
+    part: Part, monkeypatch: pytest.MonkeyPatch
+):
+    mind, wall = part.follower.mind, time.monotonic()
+    part.announce(2)
+    for second in range(20):
+        monkeypatch.setattr(time, "monotonic", lambda second=second: wall + second)
+        part.snapshot(2)
+        part.snapshot(1)
+        part.wires.looks[0]()
+    assert (part.follower.run, part.follower.in_step) == (1, True)
+    assert part.follower.mind is mind
+
+
+def test_a_part_changes_over_to_a_world_that_is_started_again(part: Part, monkeypatch: pytest.MonkeyPatch):
+    mind, wall = part.follower.mind, time.monotonic()
+    part.announce(2)
+    monkeypatch.setattr(time, "monotonic", lambda: wall + SILENT_S)
+    part.wires.looks[0]()
+    part.snapshot(2)
+    assert (part.follower.run, part.follower.in_step) == (2, True)
+    assert part.follower.mind is not mind
+
+
+def test_a_mind_that_is_lost_joins_anew_at_the_next_snapshot(part: Part):
+    mind: Any = part.follower.mind
+    mind.lost = True
+    part.wires.takes[topics.EVENTS](Event(0.0, part.world.sequence + 1, EventType.GRABBED, bot=99, bucket=9999))
+    assert not part.follower.in_step
+    mind.lost = False
+    part.world.handle(AssignBundle(part.world.scenario.word_station_count, tile=0))
+    part.snapshot(1)
+    assert part.follower.in_step

@@ -17,6 +17,7 @@ from hypothesis.extra import numpy as arrays
 from nav_msgs.msg import Path
 from rclpy.serialization import deserialize_message, serialize_message
 from soup_msgs import action, msg, srv
+from std_msgs.msg import Header
 
 import _environment
 from soup_msgs_py import messages as m
@@ -24,6 +25,7 @@ from soup_msgs_py import wire
 from soup_msgs_py.codes import BotState, Code, EventType, Phase
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import load_scenario
+from soup_msgs_py.wire import basics
 
 DEMO = load_scenario(_environment.ROOT / "config" / "scenarios" / "demo.yaml")
 
@@ -301,6 +303,10 @@ NONSENSE = {
     "an infinite velocity": lambda: wire.from_twist(twist(y=-math.inf), 0),
     "a path without a point": lambda: wire.from_path(path_of(0), 0),
     "a path to nowhere": lambda: wire.from_path(path_of(2, math.inf), 0),
+    "a path in a frame that is not the floor's": lambda: wire.from_path(Path(header=Header(frame_id="odom"), poses=[
+        PoseStamped()]), 0),
+    "a place in a frame that is not the floor's": lambda: wire.from_path(Path(poses=[
+        PoseStamped(header=Header(frame_id="base_link"))]), 0),
     "a path of a million points": lambda: wire.from_path(path_of(1_000_000), 0),
     "a verb that nobody knows": lambda: wire.from_ros(msg.BotRequest(verb="explode")),
     "a bot that does not exist": lambda: wire.from_bot_request(msg.BotRequest(bot=12, verb="grab"), 12),
@@ -317,6 +323,17 @@ NONSENSE = {
     "an order to drive nowhere": lambda: wire.from_ros(
         msg.Order(verb="drive", points=[path_of(1, math.nan).poses[0].pose.position])
     ),
+    "an order to drive beyond all floors": lambda: wire.from_ros(
+        msg.Order(verb="drive", points=[path_of(1, 1e300).poses[0].pose.position])
+    ),
+    "an order to be there at the end of time": lambda: wire.from_ros(
+        msg.Order(verb="drive", points=[path_of(1).poses[0].pose.position], stamps=[1e308])
+    ),
+    "a beat at the end of time": lambda: wire.from_ros(msg.Beat(time=1e308)),
+    "a drive to the end of time": lambda: wire.from_ros(
+        msg.BotStatus(phase="driving", points=[path_of(1).poses[0].pose.position], stamps=[1e308])
+    ),
+    "a path under way to the end of time": lambda: wire.from_ros(snapshot_with_path([1e308], 0.0)),
     "an order with another trip": lambda: wire.from_ros(msg.Order(verb="trip", number=3, trip=msg.Trip(trip=4))),
     "an outcome of nothing": lambda: wire.from_ros(msg.Outcome(verb="dance", code="done")),
     "an outcome that nobody knows": lambda: wire.from_ros(msg.Outcome(verb="drive", code="maybe")),
@@ -353,3 +370,21 @@ NONSENSE = {
 def test_what_makes_no_sense_is_refused(nonsense: str):
     with pytest.raises(wire.MalformedMessage):
         NONSENSE[nonsense]()
+
+
+def test_a_path_of_a_hundred_thousand_poses_is_refused_before_it_is_unpacked(monkeypatch: pytest.MonkeyPatch):
+    cdr = serialize_message(path_of(100_000))
+
+    def unpack(_cdr: bytes, _kind: type) -> Any:
+        raise AssertionError("it was unpacked")
+
+    monkeypatch.setattr(basics, "deserialize_message", unpack)
+    with pytest.raises(wire.MalformedMessage, match="bytes; allowed: at most 1048576"):
+        wire.read_cdr(cdr, Path)
+
+
+def test_a_path_that_names_the_frame_of_the_floor_or_none_is_taken():
+    for frame in ("map", ""):
+        path = path_of(1, 2.0)
+        path.header.frame_id = path.poses[0].header.frame_id = frame
+        assert wire.from_path(path, 3).points == ((2.0, 0.0),)

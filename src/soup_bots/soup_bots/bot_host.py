@@ -50,7 +50,6 @@ from soup_msgs_py.qos import CHARGES, COMMANDS, DISPLAY, EVERY_ONE, LATCHED
 from soup_msgs_py.wire import (
     MOST_ORDERS,
     Announcement,
-    from_cdr,
     from_ros,
     from_stamp,
     read_cdr,
@@ -274,14 +273,15 @@ class BotHost:
         crew = self._follower.mind
         if not isinstance(crew, Crew) or not self._follower.in_step or not crew.wants_to_sense or not self._buckets:
             return
-        poses = read_cdr(cdr, msg.Bots)
+        poses, buckets = read_cdr(cdr, msg.Bots), read_cdr(self._buckets, msg.Buckets)
+        if not all(self._live.belongs(seen.run, self._follower.run) for seen in (poses, buckets)):
+            return
         now = from_stamp(poses.header.stamp)
         if now < self._next_sense - SAME_S:
             return
         self._next_sense = now + crew.sense_period_s
         self._follower.now = max(self._follower.now, now)
-        buckets = from_cdr(self._buckets, msg.Buckets)
-        self._carry(crew.sense(from_ros(poses), buckets, self._follower.now))
+        self._carry(crew.sense(from_ros(poses), from_ros(buckets), self._follower.now))
 
     # ---- what the crew says -------------------------------------------------------------------------------
 

@@ -69,7 +69,10 @@ class Crew:
         sense_period_s: Simulated seconds between two calls of `sense`: a bot drives its own radius in it.
         sense_offset_s: When the first call is due. Crews in different processes do not know each other's intentions;
             looking at different moments keeps them from evading to the same side for ever.
+        lost: As in `Mind`: never, for events tell it no more than what befalls its bots.
     """
+
+    lost = False
 
     def __init__(
         self,

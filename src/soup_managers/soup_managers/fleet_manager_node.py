@@ -49,7 +49,7 @@ from soup_msgs_py.messages import (
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import PolicyChoice
 from soup_msgs_py.qos import CHARGES, DISPLAY, LATCHED
-from soup_msgs_py.wire import Announcement, MalformedMessage, from_cdr, from_ros, to_ros, to_ros_of
+from soup_msgs_py.wire import Announcement, MalformedMessage, from_ros, read_cdr, to_ros, to_ros_of
 
 TASKS_PERIOD_S = 0.5
 NOT_YET = "the fleet manager waits for the world"
@@ -232,8 +232,9 @@ class FleetManagerNode:
 
     def _tell_poses(self) -> None:
         if self._poses and self._follower.in_step:
-            self._follower.tell(from_cdr(self._poses, msg.Bots))
-            self._poses = b""
+            poses, self._poses = read_cdr(self._poses, msg.Bots), b""
+            if self._live.belongs(poses.run, self._follower.run):
+                self._follower.tell(from_ros(poses))
 
     def _measure_speed(self) -> None:
         wall = time.monotonic()

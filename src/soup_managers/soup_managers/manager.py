@@ -35,6 +35,11 @@ class Manager:
         """As in `Mind`."""
         return EVERYTHING
 
+    @property
+    def lost(self) -> bool:
+        """As in `Mind`."""
+        return self.view.lost
+
     def handle(self, message: Message, now: float) -> list[Message]:
         """Take in one message at simulated time `now` (s); what the manager says in return.
 

@@ -13,6 +13,8 @@ from soup_msgs_py.messages import Bots, Bundle, Event, Snapshot, Word
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.tiles import LETTERS
 
+MOST_REFUSED = 2  # snapshots in a row
+
 
 @dataclass(slots=True)
 class OpenWord:
@@ -82,6 +84,7 @@ class WarehouseView:
         self.run = 0
         self.sequence = -1
         self._heard = -1
+        self._refused = 0  # snapshots in a row that were older than what was heard
         self.ready = False
         self.lost = False
         self.resets = 0
@@ -145,16 +148,22 @@ class WarehouseView:
     def reset(self, snapshot: Snapshot) -> bool:
         """Take over a snapshot, where one is needed or it holds more than is known; whether it was.
 
-        One that is older than an event that was heard would leave a gap: it is refused, the view is `lost`. In
-        another run of the world, which numbers its events anew, nothing has been heard yet.
+        One that is older than an event that was heard would leave a gap: it is refused, the view is `lost`. Where the
+        next one is older, too, that event was nobody's: no snapshot is so late. In another run of the world, which
+        numbers its events anew, nothing has been heard yet.
         """
         if snapshot.run != self.run:
             self.run, self._heard, self.ready = snapshot.run, -1, False
+            self._refused = 0
         if self.ready and not self.lost and snapshot.sequence <= self.sequence:
             return False
         if snapshot.sequence < self._heard:
             self.lost = True
-            return False
+            self._refused += 1
+            if self._refused < MOST_REFUSED:
+                return False
+        self._refused = 0
+        self._heard = snapshot.sequence
         self._clear(len(snapshot.contents), len(snapshot.bots.x))
         self.storage_spots.update(snapshot.storage_spots)
         self.observe(snapshot.bots)
@@ -191,7 +200,10 @@ class WarehouseView:
         self.seen_at = bots.time
 
     def apply(self, event: Event) -> bool:
-        """Take in an event; whether it was new. One that leaves a gap makes the view `lost`."""
+        """Take in an event; whether it was new.
+
+        One that leaves a gap makes the view `lost`, as one that cannot be: of what is in no book, or not there.
+        """
         if event.sequence <= self.sequence:
             return False
         self._heard = max(self._heard, event.sequence)
@@ -201,6 +213,13 @@ class WarehouseView:
             self.lost = True
             return False
         self.sequence = event.sequence
+        try:
+            self._take_in(event)
+        except (KeyError, IndexError):
+            self.lost = True
+        return not self.lost
+
+    def _take_in(self, event: Event) -> None:
         kind = event.type
         if kind is EventType.TRANSFERRED:
             self._transferred(event)
@@ -237,7 +256,6 @@ class WarehouseView:
             self.storage_spots.add(event.waypoint)
         elif kind is EventType.SPOT_REMOVED:
             self.storage_spots.discard(event.waypoint)
-        return True
 
     def _order(self, word: Word) -> None:
         self.waiting_words[word.word] = word

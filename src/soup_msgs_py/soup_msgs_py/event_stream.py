@@ -50,6 +50,10 @@ class EventStream:
         self.in_step = False
         return True
 
+    def lose(self) -> None:
+        """The follower could make nothing of what it was told: it joins again at the next snapshot."""
+        self.in_step = False
+
     def take_event(self, event: Event) -> list[Event]:
         """Take in an event; which events the follower should handle now."""
         if not self.in_step:

@@ -26,6 +26,11 @@ class Mind(Protocol):
         """The events upon which it may say something. After others the world need not wait for it."""
         ...
 
+    @property
+    def lost(self) -> bool:
+        """Whether it can follow no longer what the world says, and needs a snapshot."""
+        ...
+
     def handle(self, message: Message, now: float) -> list[Message]:
         """Take in one message at simulated time `now` (s); what the mind says in return."""
         ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import re
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -17,6 +18,8 @@ from soup_msgs_py.yaml_input import read_mapping, validate
 
 ROLES = ("word", "letter", "fleet", "bot")
 NONE = "none"  # the policy of a part that nobody has heard of
+_PART = re.compile(r"(?:(word|letter|fleet) manager|bots [0-9,-]+)")
+_LONGEST_NAME = 4096  # it may hold a path
 
 
 class PolicyChoice(BaseModel):
@@ -50,11 +53,11 @@ def policies_of(parts: Mapping[str, Mapping[str, str]]) -> Policies:
     Args:
         parts: By the name of a process, such as `bots 0-5`, the values that it reports.
     """
-    chosen = dict.fromkeys(ROLES, NONE)
+    chosen: dict[str, str] = dict.fromkeys(ROLES, NONE)
     for part, values in parts.items():
-        role = part.split()[0].removesuffix("s")
-        if role in chosen and "policy" in values:
-            chosen[role] = values["policy"]
+        role, policy = _PART.fullmatch(part), values.get("policy", "")
+        if role is not None and 0 < len(policy) <= _LONGEST_NAME:  # anybody may say anything on the network
+            chosen[role[1] or "bot"] = policy
     return Policies(**{role: PolicyChoice(name=name) for role, name in chosen.items()})
 
 

@@ -69,8 +69,8 @@ class GoalServer(ActionServer):
     def _on_goal(self, goal: Any) -> GoalResponse:
         try:
             self._check(goal)
-        except MalformedMessage:
-            self._live.malformed += 1
+        except MalformedMessage as error:
+            self._live.drop(error)
             return GoalResponse.REJECT
         return GoalResponse.ACCEPT
 

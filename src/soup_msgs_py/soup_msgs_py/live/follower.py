@@ -11,6 +11,7 @@ from rosgraph_msgs.msg import Clock
 from soup_msgs import msg
 
 from soup_msgs_py import topics
+from soup_msgs_py.allegiance import Allegiance
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.event_stream import EventStream
 from soup_msgs_py.live.process import Live
@@ -18,7 +19,7 @@ from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import Beat, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
-from soup_msgs_py.wire import Announcement, from_cdr, from_stamp, read_cdr, to_ros_of
+from soup_msgs_py.wire import Announcement, from_ros, from_stamp, read_cdr, to_ros_of
 
 LOOK_S = 0.1  # how often a part that waits looks whether it still has to
 
@@ -27,7 +28,9 @@ class Follower:
     """Carries what the world says to a mind, and what the mind says to `carry`.
 
     Until the part is ready (`missing` says what it still waits for) and in step with the events, the mind is
-    told nothing. A world that is started again is noticed by the number of its run: the mind is then made anew.
+    told nothing. A world that is started again is noticed by the number of its run: the mind is then made anew. Runs
+    that are announced while the world is there, as by a bag that is played, are somebody else's. A mind that cannot
+    follow what it was told joins anew, too, at the next snapshot.
 
     The world waits for everybody who follows: at each beat that asks for it the follower says that it has heard the
     world so far, after all that its mind has said in return, and when it wants the next beat at the latest.
@@ -75,7 +78,7 @@ class Follower:
         self.announcement: Announcement | None = None
         self.now = 0.0
         self.begun = False
-        self._name = live.name
+        self._live, self._name = live, live.name
         self._report = report
         self._make_mind = make_mind
         self._carry = carry
@@ -89,6 +92,7 @@ class Follower:
         self._asked_for = NEVER  # the next beat
         self._heard = node.create_publisher(msg.Heard, topics.HEARD, EVERY_ONE)
         self._stream = EventStream()
+        self._allegiance: Allegiance[Announcement] = Allegiance()
         self._snapshot: Snapshot | None = None  # the newest one, while it may be needed
         self._asked: Callable[[Snapshot], None] | None = None  # who wants the next one
         live.follow(node, msg.Scenario, topics.SCENARIO, self._on_announcement, LATCHED)
@@ -120,7 +124,12 @@ class Follower:
                 self._say_heard()
 
     def _on_announcement(self, announcement: Announcement) -> None:
-        if self.announcement is not None and self.announcement.run == announcement.run:
+        self._allegiance.announce(announcement)
+        self._change_over()
+
+    def _change_over(self) -> None:
+        announcement = self._allegiance.change(time.monotonic())
+        if announcement is None:
             return
         self.announcement = announcement
         self.now = announcement.time
@@ -134,6 +143,7 @@ class Follower:
         self._wake()
 
     def _on_beat(self, beat: Beat) -> None:
+        self._allegiance.hear(self.run, time.monotonic())
         self._beat, self._beat_time = beat.number, beat.time
         self.now = max(self.now, beat.time)
         self._time_heard = time.monotonic()
@@ -182,18 +192,22 @@ class Follower:
         self._asked = take
 
     def _on_snapshot(self, cdr: bytes) -> None:
+        told = read_cdr(cdr, msg.Snapshot)
+        if not self._live.belongs(told.run, self.run):
+            return
+        self._allegiance.hear(told.run, time.monotonic())
         if self.in_step:
             asked, self._asked = self._asked, None
             if asked is not None:
-                asked(from_cdr(cdr, msg.Snapshot))
-            told = read_cdr(cdr, msg.Snapshot)
-            if told.run != self.run or not self._stream.lacks(told.sequence):
+                asked(from_ros(told))
+            if not self._stream.lacks(told.sequence):
                 return
-        self._snapshot = from_cdr(cdr, msg.Snapshot)
+        self._snapshot = from_ros(told)
         self._look()
 
     def _look(self) -> None:
         """Join as soon as everything is there."""
+        self._change_over()
         self._settle()
         if self._stream.gaps:
             self._report.values["missed_events"] = f"{self._stream.gaps} times"
@@ -224,3 +238,5 @@ class Follower:
             self.now = max(self.now, message.time)
             if self._concerns is None or not isinstance(message, Event) or self._concerns(message):
                 self.tell(message)
+        if self.mind is not None and self.mind.lost:
+            self._stream.lose()

@@ -28,7 +28,7 @@ from rclpy.subscription import Subscription
 from soup_msgs_py.display import display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain_id import domain_id
-from soup_msgs_py.wire import MalformedMessage, from_ros
+from soup_msgs_py.wire import MalformedMessage, from_ros, read_cdr
 
 LONGEST_WAIT_S = 0.1  # between two looks at the signals
 LONGEST_END_S = 2.5  # then the process ends without having taken leave; a busy machine gets more
@@ -44,6 +44,7 @@ class Live:
     Attributes:
         name: For messages to a person.
         malformed: Messages that made no sense and were dropped.
+        last_malformed: What was wrong with the last one.
         foreign: Messages of another run of the world, which were dropped.
         ended_by: The signal that ended the process, 0 for none.
         told: What it has last told the person who started it; its reports say that, too.
@@ -64,6 +65,7 @@ class Live:
         self.name = name
         self._still = Stillness() if starts_again else None
         self.malformed = 0
+        self.last_malformed = ""
         self.foreign = 0
         self.ended_by = 0
         self.told = ""
@@ -91,10 +93,15 @@ class Live:
         topic: str,
         take: Callable[[Any], object],
         profile: QoSProfile,
-        **options: Any,
+        raw: bool = False,
     ) -> Subscription:
-        """Hand every message of a topic to `take`; what raises `MalformedMessage` is counted and dropped."""
-        return node.create_subscription(kind, topic, self.guard(take), profile, **options)
+        """Hand every message of a topic to `take`; what raises `MalformedMessage` is counted and dropped.
+
+        Messages are unpacked here and not by the executor: what is too long is refused before, and one that cannot be
+        unpacked ends nobody. With `raw`, `take` gets the bytes.
+        """
+        hear = take if raw else lambda cdr: take(read_cdr(cdr, kind))
+        return node.create_subscription(kind, topic, self.guard(hear), profile, raw=True)
 
     def follow(
         self,
@@ -118,6 +125,11 @@ class Live:
 
         return self.subscribe(node, kind, topic, hear, profile)
 
+    def drop(self, error: MalformedMessage) -> None:
+        """Count a message that made no sense, and remember why it made none."""
+        self.malformed += 1
+        self.last_malformed = str(error)
+
     def belongs(self, said: int, run: int) -> bool:
         """Whether what was said in a run of the world is meant for this one, 0 for any; if not, it is counted."""
         if run in (0, said):
@@ -140,8 +152,8 @@ class Live:
             self._carried += 1
             try:
                 return function(*arguments)
-            except MalformedMessage:
-                self.malformed += 1
+            except MalformedMessage as error:
+                self.drop(error)
             except BaseException as error:  # whatever it is, the process must end in order
                 self._error = self._error or error
                 self._stopping = True

@@ -18,6 +18,8 @@ from soup_msgs_py.wire import to_stamp
 PERIOD_S = 1.0
 SILENT_S = 3.0  # a process that has said nothing for so long does not wait
 PATIENCE_S = 1.0  # a wait that takes longer is told on stderr, once
+MOST_PARTS, MOST_VALUES, LONGEST_TEXT = 500, 50, 4096  # that are kept: anybody may speak on the topic
+LONGEST_PID = 10  # digits
 AT_WORK = "at work"
 TOLD = "told"  # the value that says what the process has told a person
 WAITS = "waits"  # the value that says how much the world waits for the others
@@ -69,6 +71,8 @@ class Report:
     def publish(self) -> None:
         """Say it now."""
         dropped = {"malformed_messages": str(self._live.malformed), "foreign_messages": str(self._live.foreign)}
+        if self._live.malformed:
+            dropped["last_malformed"] = self._live.last_malformed
         values = {**self.values, TOLD: self._live.told, **dropped, "pid": str(os.getpid())}
         status = DiagnosticStatus(
             level=DiagnosticStatus.WARN if self._waits else DiagnosticStatus.OK,
@@ -106,17 +110,24 @@ class PartsWatch:
     def pid(self, name: str) -> int:
         """The process of a name that was heard last; 0 for none."""
         values = self._waiting[name].values if name in self._waiting else self.at_work.get(name, {})
-        return int(values.get("pid", "0"))
+        pid = values.get("pid", "")
+        return int(pid) if pid.isdecimal() and len(pid) <= LONGEST_PID else 0
 
     def _take(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            values = {pair.key: pair.value for pair in status.values}
+            self._waiting.pop(status.name, None)
+            self.at_work.pop(status.name, None)
+            if not 0 < len(status.name) <= LONGEST_TEXT:
+                continue
+            values = {pair.key[:LONGEST_TEXT]: pair.value[:LONGEST_TEXT] for pair in status.values[:MOST_VALUES]}
             if status.level == DiagnosticStatus.OK:
-                self._waiting.pop(status.name, None)
                 self.at_work[status.name] = values
             else:
-                self.at_work.pop(status.name, None)
-                self._waiting[status.name] = _Waiting(status.message, values, time.monotonic())
+                text = status.message[:LONGEST_TEXT]
+                self._waiting[status.name] = _Waiting(text, values, time.monotonic())
+            for heard in (self.at_work, self._waiting):
+                if len(heard) > MOST_PARTS:
+                    del heard[next(iter(heard))]  # who was heard least lately
 
 
 @dataclass(frozen=True)

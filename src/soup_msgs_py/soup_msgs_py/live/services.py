@@ -61,7 +61,7 @@ def serve(
         try:
             take(request, answer)
         except MalformedMessage as error:
-            live.malformed += 1
+            live.drop(error)
             answer.give(fill_result(response, Code.INVALID, str(error)))
         return answer
 

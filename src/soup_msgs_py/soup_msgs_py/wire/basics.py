@@ -21,6 +21,11 @@ from soup_msgs_py.codes import Code
 from soup_msgs_py.messages import Point, TileMove
 
 MOST = 100_000  # elements in any one list
+MOST_BYTES = 1 << 20  # of a message, unless it may hold the whole floor
+MOST_BYTES_OF_A_FLOOR = 1 << 26
+OF_A_FLOOR = (msg.Scenario, msg.Snapshot, msg.WorldState, msg.Bots, msg.Buckets, msg.Stations)
+MOST_S = 2.0**31 - 1.0  # no stamp holds a later time
+MOST_M = 1e9  # no floor is that wide
 TYPECODES = {"d": np.float64, "f": np.float32, "i": np.int32, "q": np.int64, "H": np.uint16, "B": np.uint8}
 Member = TypeVar("Member", bound=StrEnum)
 Result = TypeVar("Result")
@@ -70,6 +75,19 @@ def check_finite(*numbers: float) -> None:
         raise MalformedMessage("a number that is not finite")
 
 
+def check_times(*seconds: float) -> None:
+    """Refuse times that no stamp can hold."""
+    for time in seconds:
+        if not abs(time) <= MOST_S:
+            raise MalformedMessage(f"a time of {time:g} s; allowed: at most {MOST_S:.0f} s")
+
+
+def check_frame(frame: str) -> None:
+    """Refuse places in a frame that nobody here can turn into the floor's; an empty one is the floor's."""
+    if frame not in ("", topics.FRAME):
+        raise MalformedMessage(f"places in frame {frame[:40]!r}; allowed: {topics.FRAME!r}")
+
+
 def not_absurd(values: Any) -> Any:
     """The list, unless it is longer than any that makes sense."""
     if len(values) > MOST:
@@ -98,7 +116,8 @@ def to_points(points: Iterable[Point]) -> list[RosPoint]:
 def from_points(points: Sequence[RosPoint]) -> tuple[Point, ...]:
     """Points of the floor (m) from a ROS message; their height is of no interest."""
     for point in not_absurd(points):
-        check_finite(point.x, point.y)
+        if not (abs(point.x) <= MOST_M and abs(point.y) <= MOST_M):
+            raise MalformedMessage(f"a place at ({point.x:g}, {point.y:g}); allowed: at most {MOST_M:g} m from 0")
     return tuple((point.x, point.y) for point in points)
 
 
@@ -128,9 +147,14 @@ def from_ros(message: Any) -> Any:
 def read_cdr(cdr: bytes, kind: type) -> Any:
     """The ROS message, of a class, in serialized form.
 
+    Its size is looked at first: what is refused is not unpacked, which takes far longer than to receive it.
+
     Raises:
-        MalformedMessage: It is none of that class.
+        MalformedMessage: It is none of that class, or too long.
     """
+    most = MOST_BYTES_OF_A_FLOOR if issubclass(kind, OF_A_FLOOR) else MOST_BYTES
+    if len(cdr) > most:
+        raise MalformedMessage(f"a message of {len(cdr)} bytes; allowed: at most {most}")
     try:
         return deserialize_message(cdr, kind)
     except (RuntimeError, UnicodeDecodeError) as error:  # the RMW's own error is a RuntimeError

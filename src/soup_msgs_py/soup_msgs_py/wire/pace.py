@@ -9,7 +9,7 @@ from soup_msgs import msg
 
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Beat, Charge, Heard
-from soup_msgs_py.wire.basics import MalformedMessage, check_finite, from_ros, member, pack, to_ints, to_ros
+from soup_msgs_py.wire.basics import MalformedMessage, check_times, from_ros, member, pack, to_ints, to_ros
 
 _PART = re.compile(r"(word|letter|fleet) manager|bots [0-9,-]+")
 
@@ -21,7 +21,7 @@ def _(beat: Beat) -> msg.Beat:
 
 @from_ros.register
 def _(beat: msg.Beat) -> Beat:
-    check_finite(beat.time)
+    check_times(beat.time)
     return Beat(beat.time, beat.number, tuple(beat.parts))
 
 

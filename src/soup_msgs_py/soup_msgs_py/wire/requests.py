@@ -27,6 +27,7 @@ from soup_msgs_py.tiles import parse_tile
 from soup_msgs_py.wire.basics import (
     MalformedMessage,
     check_finite,
+    check_frame,
     fill_result,
     from_moves,
     from_points,
@@ -72,7 +73,9 @@ def to_path(path: FollowPath) -> Path:
 
 def from_path(path: Path, bot: int) -> FollowPath:
     """The path that was published on a bot's topic; without any stamp: as soon as possible."""
-    stamps = tuple(from_stamp(pose.header.stamp) for pose in not_absurd(path.poses))
+    for header in (path.header, *(pose.header for pose in not_absurd(path.poses))):
+        check_frame(header.frame_id)
+    stamps = tuple(from_stamp(pose.header.stamp) for pose in path.poses)
     points = from_points([pose.pose.position for pose in path.poses])
     if not points:
         raise MalformedMessage("a path without a point")

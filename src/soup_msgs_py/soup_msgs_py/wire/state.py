@@ -27,6 +27,7 @@ from soup_msgs_py.wire.basics import (
     TYPECODES,
     MalformedMessage,
     check_finite,
+    check_times,
     from_ros,
     from_stamp,
     header_at,
@@ -262,6 +263,7 @@ def _read_paths(snapshot: msg.Snapshot) -> tuple[FollowPath, ...]:
     arrays = (snapshot.path_x, snapshot.path_y, snapshot.path_time)
     xs, ys, stamps = (unpack(values, np.float64, start[-1]).tolist() for values in arrays)
     points = list(zip(xs, ys, strict=True))
+    check_times(*stamps)
     paths = tuple(
         FollowPath(bot, request, tuple(points[a:b]), tuple(stamps[a:b]))
         for bot, request, (a, b) in zip(bots, requests, pairwise(start), strict=True)

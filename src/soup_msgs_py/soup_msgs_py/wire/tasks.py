@@ -31,7 +31,7 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.wire.basics import (
     MalformedMessage,
-    check_finite,
+    check_times,
     from_moves,
     from_points,
     from_ros,
@@ -91,7 +91,7 @@ def _(goal: DriveGoal) -> action.Drive.Goal:
 def drive_goal(goal: action.Drive.Goal | msg.Order, bot: int, drive: int) -> DriveGoal:
     """A drive that was asked of a bot, under the number that its shell gives it."""
     points, stamps = from_points(goal.points), tuple(not_absurd(goal.stamps))
-    check_finite(*stamps)
+    check_times(*stamps)
     if len(stamps) not in (0, len(points)):
         raise MalformedMessage(f"{len(stamps)} stamps for {len(points)} points")
     return DriveGoal(bot, drive, points, stamps)
@@ -187,7 +187,7 @@ def _(status: msg.BotStatus) -> BotStatus:
     phase = member(Phase, status.phase)
     time = from_stamp(status.header.stamp)
     points, stamps = from_points(status.points), tuple(not_absurd(status.stamps))
-    check_finite(*stamps)
+    check_times(*stamps)
     if len(stamps) != len(points) or any(after < before for before, after in pairwise(stamps)):
         raise MalformedMessage(f"{len(points)} points and {len(stamps)} stamps, or stamps that go back")
     return BotStatus(time, status.bot, phase, status.bucket, trip, status.visits_done, status.message, points, stamps)
