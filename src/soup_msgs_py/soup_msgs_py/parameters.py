@@ -57,7 +57,9 @@ class BotParameters(Part):
 
     radius_m: Positive = Field(default=1.0, description="of the disc that a bot is")
     max_speed_mps: Positive = Field(default=4.0, description="top speed (equation 1 of the paper)")
-    max_acceleration_mps2: Positive = Field(default=20.0, description="when a bot speeds up and when it brakes (equation 2 of the paper)")
+    max_acceleration_mps2: Positive = Field(
+        default=20.0, description="when a bot speeds up and when it brakes (equation 2 of the paper)"
+    )
     turn_rate_radps: Positive | None = Field(
         default=None, description="how fast a bot turns; null: turning takes no time"
     )
