@@ -17,13 +17,13 @@ from soup_msgs_py import topics
 from soup_msgs_py.messages import Event, WorldState
 from soup_msgs_py.policies import load_policies
 from soup_msgs_py.qos import LATCHED
-from soup_msgs_py.wire import Announcement, to_ros, to_stamp, to_statistics
+from soup_msgs_py.wire import Announcement, to_ros, to_ros_of, to_stamp, to_statistics
 from soup_sim.checkpoint import make_checkpoint
 from soup_sim.setup import load_warehouse
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 BEGIN = 1_790_000_000_000_000_000  # ns since 1970
-SPEED = 5
+SPEED, RUN = 5, 7
 POSES_S, SNAPSHOT_S = 0.5, 5.0
 KINDS = {
     topics.SCENARIO: "Scenario", topics.SNAPSHOT: "Snapshot", topics.BOTS: "Bots", topics.BUCKETS: "Buckets",
@@ -45,22 +45,22 @@ def recorded(until: float = 80.0) -> tuple[Said, ...]:
         said.append((name, BEGIN + round(world.now * 1e9 / SPEED), serialize_message(message)))
 
     def on_event(event: Event) -> None:
-        say(topics.EVENTS, to_ros(event))
+        say(topics.EVENTS, to_ros_of(RUN, event))
 
     def tell_all() -> None:
         say(topics.STATISTICS, to_statistics(world.now, world.statistics(world.now / SPEED)))
-        say(topics.STATE, to_ros(WorldState(world.now, 7, world.sequence, make_checkpoint(world))))
-        say(topics.SNAPSHOT, to_ros(world.snapshot()))
+        say(topics.STATE, to_ros(WorldState(world.now, RUN, world.sequence, make_checkpoint(world))))
+        say(topics.SNAPSHOT, to_ros_of(RUN, world.snapshot()))
 
-    announcement = Announcement(0.0, world.scenario, world.layout, tuple(world.tile_profile), 7, 1, 0.0)
+    announcement = Announcement(0.0, world.scenario, world.layout, tuple(world.tile_profile), RUN, 1, 0.0)
     say(topics.SCENARIO, to_ros(announcement))
     tell_all()
     run = Headless(world, load_policies(CONFIG / "policies/best.yaml", {}), 1, on_event)
     while world.now < until:
         run.run(min(until, world.now + POSES_S))
         say(topics.CLOCK, Clock(clock=to_stamp(world.now)))
-        say(topics.BUCKETS, to_ros(world.buckets()))
-        say(topics.BOTS, to_ros(world.bots()))
+        say(topics.BUCKETS, to_ros_of(RUN, world.buckets()))
+        say(topics.BOTS, to_ros_of(RUN, world.bots()))
         if world.now % SNAPSHOT_S == 0.0 or world.now >= until:
             tell_all()
     return tuple(said)

@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from rclpy.serialization import serialize_message
 from recorded_run import BEGIN, SPEED, Said, recorded, write_bag
 
 from soup_lab import bag_summary_cli
@@ -16,6 +17,9 @@ from soup_lab.bag_judge import Verdict, judge_course
 from soup_lab.bag_reader import Bag, open_bag
 from soup_lab.bag_what_if import beside, take_moment
 from soup_msgs_py import topics
+from soup_msgs_py.codes import EventType
+from soup_msgs_py.messages import Event
+from soup_msgs_py.wire import to_ros_of
 
 END_S = 80.0
 
@@ -114,3 +118,14 @@ def test_what_a_world_did_at_the_instant_it_was_restored_from_is_told_by_its_nex
     again.take_sight(Sight(same[0], at, 2))
     assert max(again.events) == same[0]
     assert again.sights == [Sight(same[0], at, 2)]
+
+
+def test_what_another_world_said_meanwhile_is_left_out_of_the_course(tmp_path: Path):
+    foreign = serialize_message(to_ros_of(8, Event(time=41.0, sequence=5000, type=EventType.GRABBED, bot=1, bucket=1)))
+    said = list(recorded())
+    said.insert(len(said) // 2, (topics.EVENTS, said[len(said) // 2][1], foreign))
+    write_bag(tmp_path / "bag", said).close()
+    with open_bag(tmp_path / "bag") as bag:
+        course = read_course(bag)
+    assert judge_course(course) == Verdict(0, END_S)
+    assert course.senseless == {topics.EVENTS: 1}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,6 +14,7 @@ from rosgraph_msgs.msg import Clock
 from soup_msgs import msg
 
 from soup_lab.bag_reader import Bag
+from soup_lab.bag_types import is_installed
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import Bots, Buckets, Event, Snapshot
@@ -49,10 +51,11 @@ class Course:
     places: list[tuple[float, Any, Any]] = field(default_factory=list)  # time, (bots, 2) places (m), (bots,) states
     last: float = 0.0
     wall_seconds: float = 0.0
-    bound: float = math.inf
+    bound: float | None = None  # words a second, as the world told
     parts: dict[str, dict[str, str]] = field(default_factory=dict)  # what processes at work last reported, by name
     restarts: int = 0
     senseless: Counter[str] = field(default_factory=Counter)  # messages that make no sense and are left out, by topic
+    foreign: list[str] = field(default_factory=list)  # topics of another version, which are left out
     _undecided: set[int] = field(default_factory=set)  # events at the instant that a restored world goes on from
 
     @property
@@ -139,24 +142,32 @@ def read_course(bag: Bag, stop: float = math.inf) -> Course:
     Raises:
         InputError: The bag is not one of a warehouse.
     """
+    there = [name for name in _KINDS if name in bag.kinds]
+    foreign = [name for name in there if not is_installed(bag.kinds[name], bag.definitions[name])]
     for name in (topics.SCENARIO, topics.EVENTS):
         if name not in bag.kinds:
             raise InputError(bag.folder, "", f"a bag without {name}", "a bag of a warehouse")
+        if name in foreign:
+            found = f"{bag.kinds[name]} of another version than what is installed"
+            raise InputError(bag.folder, name, found, "a bag that this version has recorded")
     course: Course | None = None
     buckets: Buckets | None = None
     senseless: Counter[str] = Counter()
-    names = [name for name in _KINDS if name in bag.kinds]
+    names = [name for name in there if name not in foreign]
+    runs = _runs(bag)
     for name, at, cdr in bag.messages(names):
         try:
             message = read_cdr(cdr, _KINDS[name])
             if name == topics.SCENARIO:
                 announcement = from_ros(message)
                 if course is None:
-                    course = Course(announcement, senseless=senseless)
+                    course = Course(announcement, senseless=senseless, foreign=foreign)
                 elif announcement.run != course.announcement.run:
                     course.goes_on_from(announcement)
             elif course is None:
                 continue
+            elif name in _OF_A_RUN and message.run not in runs:
+                raise MalformedMessage(f"run {message.run}, of which the bag does not tell")
             elif name == topics.DIAGNOSTICS:
                 _note_parts(course, message)
             elif name == topics.CLOCK:
@@ -188,6 +199,15 @@ def read_course(bag: Bag, stop: float = math.inf) -> Course:
     return course
 
 
+def _runs(bag: Bag) -> set[int]:
+    """All runs of a world that the bag tells of: one more each time that it was started again."""
+    found = set()
+    for _, _, cdr in bag.messages([topics.SCENARIO]):
+        with suppress(MalformedMessage):
+            found.add(read_cdr(cdr, msg.Scenario).run)
+    return found
+
+
 def _take_bots(course: Course, bots: Bots, buckets: Buckets | None, stop: float) -> None:
     if len(bots.x) != course.announcement.scenario.bots:
         raise MalformedMessage(f"places of {len(bots.x)} bots")
@@ -215,6 +235,7 @@ def _note_parts(course: Course, report: DiagnosticArray) -> None:
             course.parts[status.name] = {pair.key: pair.value for pair in status.values}
 
 
+_OF_A_RUN = frozenset({topics.EVENTS, topics.SNAPSHOT, topics.BOTS, topics.BUCKETS})
 _KINDS: dict[str, Any] = {
     topics.SCENARIO: msg.Scenario,
     topics.SNAPSHOT: msg.Snapshot,

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 import bisect
+import json
 import sys
+from collections import Counter
 from collections.abc import Collection, Iterator
+from operator import itemgetter
 from pathlib import Path
 from types import TracebackType
 
-from rosbags.interfaces import Connection, ConnectionExtRosbag2, Qos
-from rosbags.rosbag2 import Reader
+from rosbags.interfaces import Qos
 
-from soup_lab.bag_repair import UNREADABLE, is_cut_off, repair
+from soup_lab.bag_mcap import Broken, McapFile
+from soup_lab.bag_metadata import ALLOWED, BagMetadata, read_metadata
+from soup_lab.bag_repair import is_cut_off, qos_of, repair
+from soup_lab.bag_writer import METADATA
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
 
-ALLOWED = "a rosbag2 bag"
 WINDOW_NS = 1_000_000_000  # first step of a search backwards; each further one is twice as long
 CLOCK = "rosgraph_msgs/msg/Clock"
 Recorded = tuple[str, int, bytes]  # topic, time (ns since 1970), serialized message
 
 
 def open_bag(folder: Path) -> Bag:
-    """Open a bag; one that was cut off is repaired first, and a line on stderr says what is missing.
+    """Open a bag, and check all that is in it; what is damaged is left out.
+
+    A bag that was cut off is repaired first. Lines on stderr say what is missing.
 
     Raises:
         InputError: It is no bag, is empty, or somebody writes it.
@@ -30,19 +36,19 @@ def open_bag(folder: Path) -> Bag:
     if not folder.is_dir():
         found = "a file" if folder.exists() else "no such folder"
         raise InputError(folder, "", found, f"{ALLOWED} (a folder)")
-    if is_cut_off(folder):
-        print(f"{folder}: {repair(folder)}", file=sys.stderr, flush=True)
     try:
-        reader = Reader(folder)
-        reader.open()
-    except FileNotFoundError as error:
-        raise InputError(folder, "", "no metadata.yaml", ALLOWED) from error
-    except (OSError, *UNREADABLE, AssertionError, AttributeError, TypeError) as error:
-        raise InputError(folder, "", f"a damaged bag ({error})", ALLOWED) from error
-    if reader.message_count == 0:
-        reader.close()
-        raise InputError(folder, "", "a bag without messages", "a bag that holds some")
-    return Bag(folder, reader)
+        if is_cut_off(folder):
+            print(f"{folder}: {repair(folder)}", file=sys.stderr, flush=True)
+        bag = Bag(folder, read_metadata(folder))
+    except OSError as error:
+        raise InputError(folder, "", error.strerror or error, f"{ALLOWED} that can be read") from error
+    if not bag.counts:
+        bag.close()
+        found = "a damaged bag, no message of which can be read" if bag.damage else "a bag without messages"
+        raise InputError(folder, "", found, "a bag that holds some")
+    for sentence in bag.damage:
+        print(f"{folder}: {sentence}", file=sys.stderr, flush=True)
+    return bag
 
 
 class Bag:
@@ -51,29 +57,51 @@ class Bag:
     Attributes:
         folder: Where it stands.
         kinds: Message type of each topic.
+        definitions: How that type was defined when it was recorded.
         qos: What the publishers of each topic offered; None where the bag does not say.
-        counts: Messages on each topic.
+        counts: Messages on each topic that can be read.
         first: Time of the first message.
         last: Time of the last one.
         notes: What its recorder wrote into the metadata besides.
+        damage: What is missing or damaged, a sentence each.
     """
 
-    def __init__(self, folder: Path, reader: Reader) -> None:
-        """Take over an open reader."""
-        self.folder, self._reader = folder, reader
-        self._connections: dict[str, list[Connection]] = {}
+    def __init__(self, folder: Path, metadata: BagMetadata) -> None:
+        """Open the files of a bag.
+
+        Raises:
+            OSError: One of them cannot be read.
+            InputError: None of them is there.
+        """
+        self.folder, self.notes = folder, dict(metadata.custom_data or {})
         self.kinds: dict[str, str] = {}
+        self.definitions: dict[str, str] = {}
         self.qos: dict[str, Qos | None] = {}
-        self.counts: dict[str, int] = {}
-        for connection in reader.connections:
-            name = connection.topic
-            self._connections.setdefault(name, []).append(connection)
-            self.kinds[name] = connection.msgtype
-            profiles = connection.ext.offered_qos_profiles if isinstance(connection.ext, ConnectionExtRosbag2) else []
-            self.qos[name] = profiles[0] if profiles else None
-            self.counts[name] = self.counts.get(name, 0) + connection.msgcount
-        self.first, self.last = reader.start_time, reader.end_time - 1
-        self.notes: dict[str, str] = dict(reader.storage.metadata.custom or {})
+        self.counts: Counter[str] = Counter()
+        self.damage: list[str] = []
+        self._files: list[McapFile] = []
+        self._names: list[dict[int, str]] = []  # of each file: channel -> topic
+        names = metadata.names
+        if not any((folder / name).is_file() for name in names):
+            raise InputError(
+                folder / METADATA, "relative_file_paths", ", ".join(names)[:80], "the names of files beside it"
+            )
+        for name, stated in names.items():
+            if (folder / name).is_file():
+                self._add(McapFile(folder / name), stated)
+            else:
+                self.damage.append(f"{name} is missing{_all_of(stated)}")
+        strangers = sorted(file.name for file in folder.glob("*.mcap") if file.name not in names)
+        self.damage += [f"{name} is left out, {METADATA} does not name it" for name in strangers]
+        found = sum(self.counts.values())
+        if not self.damage and metadata.message_count not in (None, found):
+            self.damage.append(f"{METADATA} tells of {metadata.message_count:,} messages, there are {found:,}")
+        self._pieces = sorted(
+            ((k, piece) for k, file in enumerate(self._files) for piece in file.pieces),
+            key=lambda entry: entry[1].first,
+        )
+        self.first = min((piece.first for _, piece in self._pieces), default=0)
+        self.last = max((piece.last for _, piece in self._pieces), default=0)
         self._instants: list[tuple[float, int]] | None = None
 
     def __enter__(self) -> Bag:
@@ -84,7 +112,29 @@ class Bag:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Close the bag."""
-        self._reader.close()
+        self.close()
+
+    def close(self) -> None:
+        """Close its files."""
+        for file in self._files:
+            file.close()
+
+    @property
+    def dropped(self) -> dict[str, int]:
+        """Messages that the recorder knows it missed, by topic.
+
+        Raises:
+            InputError: The metadata say something else.
+        """
+        text = self.notes.get("dropped", "{}")
+        try:
+            found = json.loads(text)
+        except ValueError:
+            found = None
+        if not isinstance(found, dict) or not all(type(n) is int and n >= 0 for n in found.values()):
+            where = self.folder / METADATA
+            raise InputError(where, "custom_data.dropped", repr(text[:40]), "how many messages of which topic, as JSON")
+        return found
 
     def messages(
         self, names: Collection[str] | None = None, start: int | None = None, stop: int | None = None
@@ -97,18 +147,45 @@ class Bag:
             stop: The time before which to end.
 
         Raises:
-            InputError: The bag is damaged.
+            InputError: The bag has changed since it was opened.
         """
+        begin, end = self.first if start is None else start, self.last + 1 if stop is None else stop
         chosen = [
-            c for name in (self._connections if names is None else names) for c in self._connections.get(name, [])
+            {channel: name for channel, name in known.items() if names is None or name in names}
+            for known in self._names
         ]
-        if not chosen:
-            return
-        try:
-            for connection, time, data in self._reader.messages(chosen, start, stop):
-                yield connection.topic, time, data
-        except (OSError, *UNREADABLE, AssertionError) as error:
-            raise InputError(self.folder, "", f"a damaged bag ({error})", ALLOWED) from error
+        waiting: list[Recorded] = []
+        for k, piece in self._pieces:
+            if piece.last < begin or piece.first >= end or chosen[k].keys().isdisjoint(piece.counts):
+                continue
+            ready = bisect.bisect_left(waiting, piece.first, key=itemgetter(1))
+            yield from waiting[:ready]
+            try:
+                found = [
+                    (chosen[k][channel], time, data)
+                    for channel, time, data in self._files[k].messages(piece)
+                    if channel in chosen[k] and begin <= time < end
+                ]
+            except Broken as error:
+                raise InputError(self.folder, "", f"a bag that has changed meanwhile ({error})", ALLOWED) from error
+            waiting = sorted(waiting[ready:] + found, key=itemgetter(1))
+        yield from waiting
+
+    def _add(self, file: McapFile, stated: int | None) -> None:
+        """One more file, of which the metadata state how many messages it holds."""
+        self._files.append(file)
+        known: dict[int, str] = {}
+        for channel, count in file.counts.items():
+            found = file.channels[channel]
+            schema = file.schemas.get(found.schema_id)
+            if found.message_encoding == "cdr" and schema is not None:
+                known[channel] = found.topic
+                self.kinds.setdefault(found.topic, schema.name)
+                self.definitions.setdefault(found.topic, schema.data.decode(errors="replace"))
+                self.qos.setdefault(found.topic, qos_of(found))
+                self.counts[found.topic] += count
+        self._names.append(known)
+        self.damage += _damage_of(file, sum(file.counts[channel] for channel in known), stated)
 
     def newest(self, names: Collection[str], until: int) -> dict[str, Recorded]:
         """The newest message of each topic at a time or before; topics without one are left out."""
@@ -150,6 +227,33 @@ class Bag:
         if self._instants is None:
             self._instants = [(_read_clock(cdr), time) for _, time, cdr in self.messages([topics.CLOCK])]
         return self._instants
+
+
+def _damage_of(file: McapFile, read: int, stated: int | None) -> list[str]:
+    """What a person should know of a file of which so many messages are read."""
+    stated = stated if file.stated is None else file.stated
+    missing = 0 if stated is None else stated - read
+    name = file.path.name
+    if file.broken or file.bytes_lost or missing:
+        chunks = "chunk is" if file.broken == 1 else "chunks are"
+        parts = [f"{file.broken} damaged {chunks} left out"] if file.broken else []
+        if file.bytes_lost:
+            parts.append(f"{file.bytes_lost:,} bytes could not be read")
+        parts.append("how many messages are missing is not known" if stated is None else _missing(missing, stated))
+        return [f"{name}: {', '.join(parts)}"]
+    if not file.is_whole:
+        return [f"{name} is damaged beside its messages, none of which is missing"]
+    if not file.is_checked:
+        return [f"{name} has no checksums: whether its messages are as they were recorded, nobody can tell"]
+    return []
+
+
+def _missing(count: int, stated: int) -> str:
+    return f"{count:,} of {stated:,} messages are missing" if count >= 0 else f"{-count:,} messages are too many"
+
+
+def _all_of(stated: int | None) -> str:
+    return f", and its {stated:,} messages" if stated else ""
 
 
 def _read_clock(cdr: bytes) -> float:

@@ -4,26 +4,20 @@ from __future__ import annotations
 
 import os
 import re
-import struct
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from mcap.exceptions import McapError
-from mcap.records import Channel, Footer, Message, Schema
-from mcap.stream_reader import StreamReader
+from mcap.records import Channel
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2.errors import ReaderError
 from rosbags.rosbag2.metadata import parse_qos
-from zstandard import ZstdError
 
+from soup_lab.bag_mcap import McapFile
 from soup_lab.bag_types import type_hash
-from soup_lab.bag_writer import METADATA, SUFFIX, BagFile, BagWriter, Topic, lock
+from soup_lab.bag_writer import METADATA, QOS_KEY, SUFFIX, BagFile, BagWriter, Topic, lock
 from soup_msgs_py.errors import InputError
 
-QOS_KEY = "offered_qos_profiles"
-UNREADABLE = (McapError, ReaderError, ZstdError, ValueError, KeyError, EOFError, MemoryError, struct.error)
+HALF = ".repair"  # where a file is written anew
 _NO_TIME = QosTime(0, 0)
 _UNKNOWN_QOS = Qos(
     QosHistory.UNKNOWN, 0, QosReliability.RELIABLE, QosDurability.VOLATILE, _NO_TIME, _NO_TIME,
@@ -41,9 +35,7 @@ class Repair:
 
     def __str__(self) -> str:
         """One sentence for a person."""
-        lost = (
-            f"{self.bytes_lost:,} bytes at the end could not be read" if self.bytes_lost else "nothing was unreadable"
-        )
+        lost = f"{self.bytes_lost:,} bytes could not be read" if self.bytes_lost else "nothing was unreadable"
         return f"was cut off and is repaired: {self.messages:,} messages; {lost}"
 
 
@@ -69,32 +61,50 @@ def go_on(folder: Path, *, compress: bool = True) -> tuple[BagWriter, Repair]:
     Raises:
         InputError: Somebody writes it, or nothing in it is readable.
     """
-    os.close(lock(folder))  # a bag that is being written only looks cut off
+    held = lock(folder)  # a bag that is being written only looks cut off
+    try:
+        topics, kept, found = _mend(folder)
+    except BaseException:
+        os.close(held)
+        raise
+    return BagWriter.after(folder, topics, kept, held, compress=compress), found
+
+
+def _mend(folder: Path) -> tuple[list[Topic], list[BagFile], Repair]:
+    """Write all files of a bag anew."""
     files = _files_of(folder)
     if not files:
         raise InputError(folder, "", f"no {SUFFIX} file", "a rosbag2 bag (MCAP)")
     topics: list[Topic] = []
     kept: list[BagFile] = []
     lost = 0
-    half = folder / f".repair.{os.getpid()}"
+    half = folder / HALF
+    _remove_left_over(folder)
     for file in files:
         mended = BagWriter.create(half)
         try:
             lost += _salvage(file, mended, topics)
             mended.close()
-            (new,) = half.glob(f"*{SUFFIX}")
             written = mended.files[0]
-            new.replace(file)
+            (half / written.path).replace(file)
         finally:
-            for left in half.glob("*"):
-                left.unlink()
-            half.rmdir()
+            mended.abandon()
+            _remove_left_over(folder)
         kept.append(BagFile(file.name, written.first, written.last, written.count))
     if not any(file.count for file in kept):
         raise InputError(folder, "", "no readable message", "a rosbag2 bag (MCAP)")
     (folder / METADATA).unlink(missing_ok=True)  # it knows nothing of what is to come
-    found = Repair(sum(file.count for file in kept), lost, max(file.last for file in kept))
-    return BagWriter.after(folder, topics, kept, compress=compress), found
+    return topics, kept, Repair(sum(file.count for file in kept), lost, max(file.last for file in kept))
+
+
+def _remove_left_over(folder: Path) -> None:
+    """Remove what a repair, or a recorder, that was killed had not made whole."""
+    for half in folder.glob(f"{HALF}*/"):
+        for left in half.iterdir():
+            left.unlink()
+        half.rmdir()
+    for left in folder.glob(f".{METADATA}.*"):
+        left.unlink()
 
 
 def _files_of(folder: Path) -> list[Path]:
@@ -107,45 +117,43 @@ def _files_of(folder: Path) -> list[Path]:
     return sorted((f for f in folder.glob(f"*{SUFFIX}") if not f.name.startswith(".")), key=number)
 
 
-def _salvage(file: Path, writer: BagWriter, topics: list[Topic]) -> int:
-    """Copy all that is readable in a file; how many bytes at its end are not. `topics` counts over all files."""
+def _salvage(path: Path, writer: BagWriter, topics: list[Topic]) -> int:
+    """Copy all that is sound in a file; how many bytes of it are not. `topics` counts over all files."""
     numbers: dict[int, int] = {}
-    schemas: dict[int, Schema] = {}
     known = {topic.name: topic for topic in topics}
-    with file.open("rb") as stream:
-        good = 0
-        for record in _records(stream):
-            if isinstance(record, Schema):
-                schemas[record.id] = record
-            elif isinstance(record, Channel) and record.id not in numbers:
-                topic = _topic_of(record, schemas)
-                numbers[record.id] = writer.add(topic)
-                if topic.name not in known:
-                    known[topic.name] = Topic(topic.name, topic.kind, topic.definition, topic.hash, topic.qos)
-                    topics.append(known[topic.name])
-            elif isinstance(record, Message) and record.channel_id in numbers:
-                number = numbers[record.channel_id]
-                writer.write(number, record.log_time, record.data)
-                known[writer.topics[number].name].count += 1
-            elif isinstance(record, Footer):
-                return 0
-            good = stream.tell()
-    return file.stat().st_size - good
-
-
-def _records(stream: Any) -> Iterator[Any]:
+    file = McapFile(path)
     try:
-        yield from StreamReader(stream).records
-    except UNREADABLE:
-        return
+        for channel in sorted(file.counts):
+            topic = _topic_of(file, file.channels[channel])
+            if topic is None:
+                continue
+            numbers[channel] = writer.add(topic)
+            if topic.name not in known:
+                known[topic.name] = Topic(topic.name, topic.kind, topic.definition, topic.hash, topic.qos)
+                topics.append(known[topic.name])
+        for piece in file.pieces:
+            for channel, time, data in file.messages(piece):
+                if channel in numbers:
+                    writer.write(numbers[channel], time, data)
+                    known[writer.topics[numbers[channel]].name].count += 1
+    finally:
+        file.close()
+    return file.bytes_lost
 
 
-def _topic_of(channel: Channel, schemas: dict[int, Schema]) -> Topic:
-    schema = schemas[channel.schema_id]
-    definition = schema.data.decode()
+def qos_of(channel: Channel) -> Qos | None:
+    """What the publishers of a channel offered; None where it does not say."""
     try:
-        qos = parse_qos(channel.metadata.get(QOS_KEY, ""))
-    except (ReaderError, KeyError, TypeError):
-        qos = []
+        found = parse_qos(channel.metadata.get(QOS_KEY, ""))
+    except (ReaderError, KeyError, TypeError, AttributeError, ValueError):
+        return None
+    return found[0] if found else None
+
+
+def _topic_of(file: McapFile, channel: Channel) -> Topic | None:
+    schema = file.schemas.get(channel.schema_id)
+    if schema is None or channel.message_encoding != "cdr":
+        return None
+    definition = schema.data.decode(errors="replace")
     hashed = type_hash(schema.name, definition)
-    return Topic(channel.topic, schema.name, definition, hashed, qos[0] if qos else _UNKNOWN_QOS)
+    return Topic(channel.topic, schema.name, definition, hashed, qos_of(channel) or _UNKNOWN_QOS)

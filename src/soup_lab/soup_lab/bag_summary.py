@@ -43,7 +43,7 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
     inventory = sum(sum(content.values()) for content in course.start.contents)
     inventory -= sum(_change(event, scenario.word_station_count) for event in events if event.sequence <= known)
     figures = Statistics(scenario, 1.0, inventory)
-    figures.bound = course.bound
+    figures.bound = course.bound or math.inf
     nowhere = np.zeros(scenario.bots)
     begun = warmup <= 0.0
     for event in events:
@@ -65,6 +65,8 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
         "wall_seconds": course.wall_seconds,
         "real_time_factor": course.last / course.wall_seconds if course.wall_seconds > 0 else 0.0,
     }
+    if course.bound is None:
+        values |= {"word_rate_bound": None, "fraction_of_bound": None}
     policies = policies_of(course.parts)
     verdict = verdict or judge_course(course)
     return make_summary(values, scenario, policies, announcement.seed, verdict.violations)

@@ -76,7 +76,7 @@ def read_summary(path: Path) -> dict[str, Any]:
 
 def tell(bag: Bag, course: Course, verdict: Verdict) -> str:
     """How complete a bag is, and how far its run is judged."""
-    dropped = sum(json.loads(bag.notes.get("dropped", "{}")).values())
+    dropped = sum(bag.dropped.values())
     lines = [f"{sum(bag.counts.values()):,} messages on {len(bag.counts)} topics, {dropped} dropped"]
     if course.missing:
         lines.append(f"{course.missing} events are missing")
@@ -86,6 +86,7 @@ def tell(bag: Bag, course: Course, verdict: Verdict) -> str:
         lines.append(f"the bag begins at {course.start.time:g} s")
     for name, count in sorted(course.senseless.items()):
         lines.append(f"{count} messages on {name} make no sense and are left out")
+    lines += [f"{name} is of another version and left out" for name in course.foreign]
     if verdict.why:
         lines.append(verdict.why)
     return "; ".join(lines)

@@ -68,6 +68,16 @@ def type_hash(kind: str, definition: str) -> str:
 
 
 @cache
+def is_installed(kind: str, definition: str) -> bool:
+    """Whether a message type is installed here as a bag defines it: else its messages would be read as others."""
+    try:
+        installed, hashed = Definitions().of(kind)
+    except UnknownType:
+        return False
+    return definition == installed or type_hash(kind, definition) == hashed
+
+
+@cache
 def message_class(kind: str) -> Any:
     """The class of a message type.
 

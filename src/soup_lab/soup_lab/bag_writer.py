@@ -1,4 +1,7 @@
-"""Writes a rosbag2 bag (version 9, MCAP) whose content stays readable whatever ends the writing."""
+"""Writes a rosbag2 bag (version 9, MCAP) whose content stays readable whatever ends the writing.
+
+Checksums cover all of it: one each chunk, one all that lies before the index, one the index.
+"""
 
 from __future__ import annotations
 
@@ -10,22 +13,16 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from rosbags.interfaces import (
-    Connection,
-    ConnectionExtRosbag2,
-    MessageDefinition,
-    MessageDefinitionFormat,
-    Qos,
-)
-from rosbags.rosbag2.enums import CompressionMode
+from mcap.writer import CompressionType, Writer
+from rosbags.interfaces import Qos
 from rosbags.rosbag2.metadata import dump_qos_v9
-from rosbags.rosbag2.storage_mcap import McapWriter
 
 from soup_msgs_py.errors import InputError
 
 METADATA = "metadata.yaml"
 SUFFIX = ".mcap"
 VERSION = 9
+QOS_KEY = "offered_qos_profiles"  # of a channel
 NEVER = 2**63 - 1
 
 
@@ -60,6 +57,24 @@ class Topic:
     count: int = 0
 
 
+class _Storage:
+    """The file that is being written: topic k of the bag is its channel k + 1."""
+
+    def __init__(self, path: Path, *, compress: bool) -> None:
+        self.stream: Any = path.open("xb")
+        compression = CompressionType.ZSTD if compress else CompressionType.NONE
+        self.writer = Writer(self.stream, compression=compression, enable_data_crcs=True)
+        self.writer.start("ros2")
+        self._schemas: dict[str, int] = {}
+
+    def connect(self, topic: Topic) -> None:
+        """Make a channel for a topic."""
+        if topic.kind not in self._schemas:
+            encoding = "ros2idl" if topic.definition.startswith("=" * 80) else "ros2msg"
+            self._schemas[topic.kind] = self.writer.register_schema(topic.kind, encoding, topic.definition.encode())
+        self.writer.register_channel(topic.name, "cdr", self._schemas[topic.kind], {QOS_KEY: _written_qos(topic.qos)})
+
+
 @dataclass
 class BagWriter:
     """A bag that is being written. Others see by a lock on its folder that it is.
@@ -77,8 +92,7 @@ class BagWriter:
     topics: list[Topic] = field(default_factory=list)
     files: list[BagFile] = field(default_factory=list)
     notes: dict[str, str] = field(default_factory=dict)
-    _storage: McapWriter | None = None
-    _connections: list[Connection] = field(default_factory=list)
+    _storage: _Storage | None = None
     _lock: int = -1
 
     @classmethod
@@ -93,21 +107,25 @@ class BagWriter:
         except OSError as error:
             raise InputError(folder, "", error.strerror or error, "a folder that is not there yet") from error
         writer = cls(folder, compress)
-        writer._hold()
+        writer._lock = lock(folder)
         writer.split()
         return writer
 
     @classmethod
     def after(
-        cls, folder: Path, topics: Sequence[Topic], files: Sequence[BagFile], *, compress: bool = True
+        cls, folder: Path, topics: Sequence[Topic], files: Sequence[BagFile], held: int, *, compress: bool = True
     ) -> BagWriter:
         """A bag of files that are whole: after `split`, more messages go into a new file.
 
-        Raises:
-            InputError: Somebody else writes it.
+        Args:
+            folder: Where it stands.
+            topics: Its topics.
+            files: Its files.
+            held: What `lock` gave; the writer lets go of it.
+            compress: Whether to compress what is still to come.
         """
         writer = cls(folder, compress, list(topics), list(files))
-        writer._hold()
+        writer._lock = held
         return writer
 
     @property
@@ -123,7 +141,7 @@ class BagWriter:
     @property
     def file_size(self) -> int:
         """Bytes of the present file."""
-        return self._storage.bio.tell() if self._storage is not None else 0
+        return self._storage.stream.tell() if self._storage is not None else 0
 
     @property
     def file_first(self) -> int:
@@ -134,7 +152,7 @@ class BagWriter:
         """Add a topic; its number."""
         self.topics.append(topic)
         assert self._storage is not None
-        self._connect(self._storage, len(self.topics) - 1)
+        self._storage.connect(topic)
         return len(self.topics) - 1
 
     def write(self, topic: int, time: int, cdr: bytes) -> None:
@@ -150,8 +168,11 @@ class BagWriter:
         """
         assert self._storage is not None
         file = self.files[-1]
-        self._storage.write(self._connections[topic], time, cdr)
-        file.first, file.last = min(file.first, time), max(file.last, time)
+        self._storage.writer.add_message(topic + 1, time, cdr, time)
+        if time < file.first:  # a call of min() takes as long as all else here
+            file.first = time
+        if time > file.last:
+            file.last = time
         file.count += 1
         self.topics[topic].count += 1
 
@@ -162,22 +183,16 @@ class BagWriter:
             OSError: The disk is full, or broken.
         """
         assert self._storage is not None
-        if self._storage.chunk.msgs:
-            self._storage.close_chunk()
-        self._storage.bio.flush()
+        self._storage.writer.flush()
 
     def split(self) -> None:
         """Go on in a new file."""
         self._close_file()
         name = f"{self.folder.name}_{len(self.files)}{SUFFIX}"
-        mode = CompressionMode.STORAGE if self.compress else CompressionMode.NONE
-        storage = McapWriter(self.folder, mode)
-        storage.path.rename(self.folder / name)
+        self._storage = _Storage(self.folder / name, compress=self.compress)
         self.files.append(BagFile(name))
-        self._connections.clear()
-        for number in range(len(self.topics)):
-            self._connect(storage, number)
-        self._storage = storage
+        for topic in self.topics:
+            self._storage.connect(topic)
 
     def close(self) -> None:
         """Write the index and the metadata: the bag is whole. Can be called twice.
@@ -201,27 +216,9 @@ class BagWriter:
         """End without an index, as if killed: the bag has to be repaired."""
         if self._storage is not None:
             # what is still in the buffer may not fit on the disk: close without it
-            self._storage.bio.raw.close()
+            self._storage.stream.raw.close()
             self._storage = None
         self._let_go()
-
-    def _connect(self, storage: McapWriter, number: int) -> None:
-        topic = self.topics[number]
-        kind = MessageDefinitionFormat.IDL if topic.definition.startswith("=" * 80) else MessageDefinitionFormat.MSG
-        connection = Connection(
-            id=number + 1,
-            topic=topic.name,
-            msgtype=topic.kind,
-            msgdef=MessageDefinition(kind, topic.definition),
-            digest=topic.hash,
-            msgcount=0,
-            ext=ConnectionExtRosbag2(serialization_format="cdr", offered_qos_profiles=[topic.qos]),
-            owner=self,
-        )
-        if all(connection.msgtype != other.msgtype for other in self._connections):
-            storage.add_msgtype(connection)
-        storage.add_connection(connection, _written_qos(topic.qos))
-        self._connections.append(connection)
 
     def _close_file(self) -> None:
         storage, self._storage = self._storage, None
@@ -229,10 +226,11 @@ class BagWriter:
             return
         file = self.files[-1]
         content = metadata(self.topics, [file], {})["rosbag2_bagfile_information"]
-        storage.close(VERSION, yaml.safe_dump(content, sort_keys=False).strip())
-
-    def _hold(self) -> None:
-        self._lock = lock(self.folder)
+        storage.writer.add_metadata(
+            "rosbag2", {"serialized_metadata": yaml.safe_dump(content, sort_keys=False).strip()}
+        )
+        storage.writer.finish()
+        storage.stream.close()
 
     def _let_go(self) -> None:
         if self._lock >= 0:
