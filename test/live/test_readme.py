@@ -25,7 +25,7 @@ README = (_environment.ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```sh( terminals)?\n(.*?)```", README, flags=re.DOTALL)
 ALONE = [line for together, block in BLOCKS if not together for line in block.splitlines()]
 TOGETHER = [line for together, block in BLOCKS if together for line in block.splitlines()]
-TOLD = {"plan_world": "proven_optimal", "replay_bag": "messages up to"}  # by program
+TOLD = {"plan_world": "proven shortest", "replay_bag": "messages up to"}  # by program
 UNTIL_CTRL_C = "python3 scripts/run_warehouse.py"
 THESE_TESTS = "python3 scripts/run_tests.py"  # CI runs it; it runs this test
 

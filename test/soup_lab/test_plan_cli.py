@@ -1,12 +1,19 @@
 """The planning program: its summary, its pictures, and what it says of bad input."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
+from matplotlib.text import Annotation
 
 from soup_lab.benchmark_cli import main as measure
 from soup_lab.plan_cli import main
+from soup_lab.plan_picture import draw_paths
+from soup_managers.planners.check import play
+from soup_managers.planners.optimal import optimal
+from soup_managers.planners.plan import Task
+from soup_msgs_py.cell_world import read_world
 
 WORLD = str(Path(__file__).resolve().parents[2] / "config/worlds/small1-2r.txt")
 KEYS = {
@@ -25,6 +32,28 @@ def test_a_plan_is_told_shown_and_drawn(planner: str, tmp_path: Path, capsys: py
     assert picture.stat().st_size > 1000
     out = capsys.readouterr().out
     assert f"step {told['makespan']}" in out and "robot 2: " in out
+    assert out.count("@ robot, $ robot with a box, * box, | empty shelf") == 1
+    assert "P pick up or put down" in out
+    assert f"wrote {picture}\n" in out
+
+
+def test_the_figures_of_a_plan_have_words(capsys: pytest.CaptureFixture[str]):
+    assert main([WORLD]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"proven shortest +│ +yes", out) and re.search(r"search time +│ +[\d.e-]+ │ s", out)
+    assert "_optimal" not in out
+
+
+def test_a_picture_says_what_its_signs_are_and_which_way_the_robots_go():
+    world = read_world(Path(WORLD))
+    plans = optimal(Task(world)).plans
+    assert plans is not None
+    figure = draw_paths(world, list(play(world, plans, may_wait=True)))
+    told = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert told == ["wall or full shelf", "empty shelf", "box", "robot, where it begins", "path, in its direction"]
+    heads = [(head.xy, head.xyann) for head in figure.axes[0].texts if isinstance(head, Annotation)]
+    assert len(heads) >= 2 * len(world.robots)
+    assert all(abs(x - u) + abs(y - v) == pytest.approx(0.3) for (x, y), (u, v) in heads)
 
 
 def test_a_world_without_a_plan_ends_with_status_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, rows, told, written
+from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, PLAN_FIGURES, rows, told, written
 
-ALL = {**FIGURES, **LIVE_FIGURES}
+ALL = {**FIGURES, **LIVE_FIGURES, **PLAN_FIGURES}
 
 
 @pytest.mark.parametrize("key", ALL)
@@ -30,6 +30,7 @@ def test_every_figure_has_words_and_a_meaning(key: str):
         (12345, "", "12,345"),
         (None, "%", "not known"),
         ("demo", "", "demo"),
+        (True, "", "yes"),
     ],
 )
 def test_a_value_is_written_in_its_unit(value: object, unit: str, text: str):

@@ -13,39 +13,51 @@ from rich.console import Console
 from rich.table import Table
 
 from soup_lab.plan_picture import draw_plan
-from soup_managers.planners.check import check_plan, draw, play
+from soup_managers.planners.check import LOADED, check_plan, draw, play
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import RULES, Answer, Task
 from soup_msgs_py import arguments as args
-from soup_msgs_py.cell_world import read_world
+from soup_msgs_py.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, read_world
 from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.figures import PLAN_FIGURES, rows
 from soup_msgs_py.output_files import OutputError
 from soup_sim.summary import write_summary
 
 SHOWN_STEP_S = 0.15
+LETTERS = "U up, D down, L left, R right, P pick up or put down, W wait"
+KEY = (
+    f"{ROBOT} robot, {LOADED} robot with a box, {BOX} box, {SHELF} empty shelf, {FULL} wall or full shelf, "
+    f"{FLOOR} floor"
+)
 PICTURES = (".png", ".gif")
 
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = args.Parser("Plan for all robots of a world at once: boxes to empty shelves, in as few steps as can be.")
+    parser = args.Parser("Plan for all robots of a world at once: boxes to empty shelves, in as few steps as possible.")
     parser.add_argument("world", type=Path, metavar="WORLD.txt", help="@ robot, * box, | empty shelf, # full, _ floor")
-    parser.add_argument("--planner", choices=PLANNERS, default="optimal")
+    parser.add_argument("--planner", choices=PLANNERS, default="optimal", help="how to plan (default: optimal)")
     parser.add_argument(
         "--rules",
         choices=RULES,
         default="default",
-        help="paper: no waiting, off the shelves at last; fleet: no box over another",
+        help="paper: no waiting, and no robot on a shelf at the end; fleet: no box is carried over another",
     )
     parser.add_argument(
-        "--weight", type=args.not_negative, default=1.0, metavar="W", help="of the paper's planners' heuristic"
+        "--weight",
+        type=args.not_negative,
+        default=1.0,
+        metavar="W",
+        help="weight of the heuristic of the paper's planners (default: 1)",
     )
-    parser.add_argument("--time-limit", type=args.positive, default=60.0, metavar="S", help="wall seconds of search")
+    parser.add_argument(
+        "--time-limit", type=args.positive, default=60.0, metavar="S", help="wall seconds of search (default: 60)"
+    )
     parser.add_argument("--summary", type=args.output_file, metavar="F", help="write the figures and the plan as JSON")
     parser.add_argument("--show", action="store_true", help="play the plan as text")
     parser.add_argument(
-        "--picture", type=args.output_file, metavar="F", help="draw the ways (.png) or play the plan (.gif)"
+        "--picture", type=args.output_file, metavar="F", help="draw the paths (.png) or play the plan (.gif)"
     )
     options = parser.parse_args(argv)
     if options.picture is not None and options.picture.suffix not in PICTURES:
@@ -85,7 +97,10 @@ def main(argv: list[str] | None = None) -> int:
     if answer.plans is None:
         print(f"{options.world}: {answer.note}; lower bound {_text(answer.lower_bound)}", file=sys.stderr)
         return 1
+    if options.picture is not None and written:
+        print(f"wrote {options.picture}")
     if options.show:
+        print(f"\n{KEY}")
         for now in play(world, answer.plans, may_wait=True):
             print(f"\nstep {now.step}\n{draw(world, now)}", flush=True)
             if sys.stdout.isatty():
@@ -117,11 +132,12 @@ def _text(bound: float) -> str:
 
 
 def _print(summary: dict[str, Any], answer: Answer) -> None:
-    table = Table("figure", "value")
-    for key, value in summary.items():
-        if key != "plans" and value not in (None, ""):
-            table.add_row(key, f"{value:.4g}" if isinstance(value, float) else str(value))
-    console = Console()
-    console.print(table)
+    table = Table("figure", "value", "unit")
+    table.columns[1].justify = "right"
+    for _, words, value, unit in rows({key: summary[key] for key in PLAN_FIGURES if summary[key] not in (None, "")}):
+        table.add_row(words, value, unit)
+    Console().print(table)
+    if answer.plans:
+        print(LETTERS)
     for robot, letters in enumerate(answer.plans or ()):
         print(f"robot {robot + 1}: {' '.join(letters)}")

@@ -5,7 +5,9 @@ from __future__ import annotations
 import time
 
 from rich.console import Console
+from rich.text import Text
 
+SPINNER_CELLS = 2  # before the line on a terminal
 PLAIN_S = 10.0  # wall time between two lines where no terminal is
 
 
@@ -34,7 +36,9 @@ class ProgressLine:
     def tell(self, line: str) -> None:
         """Show a line, if one is due."""
         if self._status is not None:
-            self._status.update(line)
+            shown = Text(line)  # a line that wraps cannot be rewritten
+            shown.truncate(self._console.width - SPINNER_CELLS, overflow="ellipsis")
+            self._status.update(shown)
         elif self.due:
             self._due = time.monotonic() + PLAIN_S
             self._console.print(line, highlight=False)

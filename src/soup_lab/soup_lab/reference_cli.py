@@ -9,7 +9,7 @@ from soup_lab.reference_policies import policies_page
 from soup_lab.reference_scenario import scenario_page
 from soup_managers.explain import ALTERNATIVES, DECISIONS
 from soup_msgs_py import arguments as args
-from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, SHARE, Figure
+from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, PLAN_FIGURES, SHARE, Figure
 
 NOTE = "<!-- Written by scripts/make_reference.py from the code; change it there. -->\n\n"
 COMMAND = "python3 scripts/make_reference.py"
@@ -32,6 +32,10 @@ def figures_page() -> str:
         "",
         "With `--replications N` each figure is a mean; `interval_95` holds half the width of its 95 % interval, and",
         "`replications` the summaries of the single runs.",
+        "",
+        "The summary of `scripts/plan_world.py`, which also has `plans`, the letters of each robot:",
+        "",
+        *_figures_table(PLAN_FIGURES),
     ]
     return "\n".join(lines) + "\n"
 

@@ -259,15 +259,14 @@ class Progress:
 
     def __call__(self, figures: dict[str, float | int], waits: str) -> None:
         """Show the newest figures; of a run that is slow also how much the world waits, and for whom."""
-        asked = "max" if math.isinf(self._speed) else f"{self._speed:g}"
-        slow = f" of {asked}, waits {waits}" if figures["real_time_factor"] < SLOW * self._speed else ""
-        line = (
-            f"{figures['sim_seconds']:,.0f}{self._of} s · words {figures['words_completed']} · letters "
-            f"{figures['letters_in_words']} · collisions {figures['bot_collisions']} + "
-            f"{figures['bucket_collisions']} · real-time factor {figures['real_time_factor']:.2f}{slow}"
+        if figures["sim_seconds"] <= 0:  # it waits for its parts to start, which is no sign of anything
+            return
+        slow = f" · waits {waits}" if waits and figures["real_time_factor"] < SLOW * self._speed else ""
+        self._line.tell(
+            f"{figures['sim_seconds']:,.0f}{self._of} s · {figures['words_completed']:,} words · "
+            f"{figures['bot_collisions'] + figures['bucket_collisions']:,} collisions · "
+            f"{figures['real_time_factor']:.3g} x real time{slow}"
         )
-        if self._console.is_terminal or figures["sim_seconds"] > 0:
-            self._line.tell(line)
 
     def tell(self, line: str) -> None:
         """Show a line of its own: something happened."""

@@ -68,11 +68,27 @@ LIVE_FIGURES = {
     "refused_requests": Figure("refused requests", "", "requests that the world answered with no"),
     "malformed_messages": Figure("malformed messages", "", "messages that made no sense and were dropped"),
 }
+# Of a joint plan, in the summary of scripts/plan_world.py.
+PLAN_FIGURES = {
+    "planner": Figure("planner", "", "its name"),
+    "rules": Figure("rules", "", "what robots may do"),
+    "makespan": Figure("steps of the plan", "", "until the last box is on its shelf"),
+    "proven_optimal": Figure("proven shortest", "", "whether no plan has fewer steps"),
+    "lower_bound": Figure("fewest steps possible", "", "no plan has fewer; the planner knows no more"),
+    "gap": Figure("steps over fewest possible", "", "1 for a plan that is proven shortest"),
+    "nodes_generated": Figure("states generated", "", "in the search"),
+    "nodes_expanded": Figure("states expanded", "", "in the search"),
+    "search_seconds": Figure("search time", "s", "wall time"),
+    "robots": Figure("robots", "", "in the world"),
+    "boxes": Figure("boxes", "", "in the world"),
+    "note": Figure("note", "", "why there is no plan, or what it is worth"),
+}
+_ALL = {**PLAN_FIGURES, **LIVE_FIGURES, **FIGURES}
 
 
 def known(key: str) -> Figure:
     """The figure of a key; of one that nobody has described, its own key in words."""
-    return FIGURES.get(key) or LIVE_FIGURES.get(key) or Figure(key.replace("_", " "), "", "")
+    return _ALL.get(key) or Figure(key.replace("_", " "), "", "")
 
 
 def rows(figures: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
@@ -97,7 +113,9 @@ def written(value: Any, unit: str = "") -> str:
     """A value in the unit of its figure: counts whole, measured ones to three digits, at least to whole ones."""
     if value is None:
         return "not known"
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if not isinstance(value, (int, float)):
         return str(value)
     if unit == SHARE:
         value = 100.0 * value

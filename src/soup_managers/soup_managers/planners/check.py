@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from soup_msgs_py.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, World
 
+LOADED = "$"  # a robot that has a box, where a world is shown as text
+
 
 class BadPlan(ValueError):
     """A plan breaks a rule; says which robot at which step."""
@@ -140,5 +142,5 @@ def draw(world: World, now: Picture) -> str:
         for x, y in places:
             cells[y][x] = kind
     for (x, y), loaded in zip(now.robots, now.loaded, strict=True):
-        cells[y][x] = "$" if loaded else ROBOT
+        cells[y][x] = LOADED if loaded else ROBOT
     return "\n".join("".join(row) for row in cells)
