@@ -1,4 +1,4 @@
-"""A part that has said something for a later time holds the world there until it has got to where it must."""
+"""A part tells the world that it has heard a beat once nothing is missing any more that belongs before it."""
 
 from __future__ import annotations
 
@@ -53,6 +53,9 @@ class Wires:
     def belongs(self, said: int, run: int) -> bool:
         return run in (0, said)
 
+    def guard(self, function: Any) -> Any:
+        return function
+
     def waits(self, _why: str) -> None:
         pass
 
@@ -74,17 +77,33 @@ class Mind:
         return []
 
 
+class Service:
+    """Stands in for a service of the world and what it will answer."""
+
+    def call_async(self, _request: Any) -> Service:
+        return self
+
+    def add_done_callback(self, take: Any) -> None:
+        self._take = take
+
+    def result(self) -> Any:
+        return self._answer
+
+    def answer(self, answer: Any) -> None:
+        """The world answers."""
+        self._answer = answer
+        self._take(self)
+
+
 class Part:
-    """A follower in step with a world, whose hold the test sets."""
+    """A follower in step with a world."""
 
     def __init__(self) -> None:
-        self.hold = NEVER
         self.wires = wires = Wires()
         live: Any = wires
-        self.follower = Follower(
-            live, live, live, lambda _: Mind(), lambda _: None, lambda: "", holds=lambda _: self.hold
-        )
+        self.follower = Follower(live, live, live, lambda _: Mind(), lambda _: None, lambda: "")
         self.world = load_warehouse(CONFIG / "scenarios/demo.yaml", []).world(1, run=1)
+        self.sequence = self.world.sequence
         self.announce(1)
         self.snapshot(1)
         assert self.follower.in_step
@@ -116,33 +135,51 @@ def part() -> Part:
     return Part()
 
 
-def test_a_beat_before_the_hold_is_heard_at_once_and_the_next_is_wanted_at_the_hold(part: Part):
-    part.hold = 3.0
-    part.beat(1, 2.0)
-    assert part.heard == (1, 3.0)
-
-
-@pytest.mark.parametrize("by", ["a message", "time"])
-def test_a_beat_at_the_hold_is_heard_when_the_hold_is_gone(part: Part, by: str):
-    part.hold = 3.0
-    part.beat(1, 2.0)
-    part.beat(2, 3.0)
-    part.follower.tell(Beat(3.0, 0))
-    assert part.heard == (1, 3.0)
-    part.hold = 4.5
-    if by == "a message":
-        part.follower.tell(Beat(3.0, 0))
-    else:
-        part.wires.looks[0]()
-    assert part.heard == (2, 4.5)
-
-
-def test_a_hold_that_comes_between_two_beats_is_told(part: Part):
-    part.beat(1, 2.0)
-    assert part.heard == (1, NEVER)
-    part.hold = 2.5
+def test_what_was_said_to_others_is_told_when_the_mind_has_heard_the_message_that_it_was_said_upon(part: Part):
+    part.follower.mail.got("goals deliver")
     part.follower.tell(Beat(2.0, 0))
-    assert part.heard == (1, 2.5)
+    assert part.wires.said[-1].got == (("goals deliver", 1),)
+    told = len(part.wires.said)
+    part.follower.tell(Beat(2.0, 0))
+    assert len(part.wires.said) == told
+
+
+def test_who_will_be_asked_by_a_beat_waits_with_its_news_for_it(part: Part):
+    part.follower.mail.sent("bound")
+    told = len(part.wires.said)
+    part.follower.tell(Beat(2.0, 0), is_asked=True)
+    part.follower.tell(Beat(2.0, 0))
+    assert len(part.wires.said) == told
+    part.beat(1, 2.0)
+    assert len(part.wires.said) == told + 1
+    assert part.wires.said[-1].sent == (("bound", 1),)
+
+
+def test_where_that_beat_does_not_come_the_news_is_told_all_the_same(part: Part):
+    part.follower.mail.sent("bound")
+    part.follower.tell(Beat(2.0, 0), is_asked=True)
+    part.wires.looks[0]()
+    assert part.wires.said[-1].sent == (("bound", 1),)
+
+
+def test_a_beat_that_was_faster_than_the_event_before_it_is_heard_after_that(part: Part):
+    told = len(part.wires.said)
+    sequence = part.sequence
+    part.wires.takes[topics.BEAT](Beat(2.0, 1, ("fleet manager",), sequence + 1))
+    assert len(part.wires.said) == told
+    part.wires.takes[topics.EVENTS](Event(2.0, sequence + 1, EventType.WORD_CLEARED))
+    assert part.heard[0] == 1
+
+
+def test_a_beat_is_not_heard_before_the_world_has_answered_what_it_was_asked(part: Part):
+    world = Service()
+    answers: list[str] = []
+    part.follower.call(world, "assign a word", answers.append)
+    part.beat(1, 2.0)
+    assert part.heard[0] == 0
+    world.answer("done")
+    assert answers == ["done"]
+    assert part.heard[0] == 1
 
 
 def test_a_beat_that_concerns_only_others_is_not_answered(part: Part):

@@ -49,6 +49,13 @@ def words(draw: st.DrawFn) -> m.Word:
 
 some_words = st.lists(words(), max_size=3).map(tuple)
 word_stations = st.lists(st.builds(m.WordStationState, int32, place, place, int32, some_words), max_size=3).map(tuple)
+counts = st.lists(
+    st.tuples(
+        st.sampled_from(("bound", "goals deliver", "results store", "orders bots 0-3", "drives 7")),
+        st.integers(0, 2**63),
+    ),
+    max_size=3,
+).map(tuple)
 letter_stations = st.lists(st.builds(m.LetterStationState, int32, place, place, int32, bundles), max_size=3).map(tuple)
 
 
@@ -134,7 +141,7 @@ ONE_TO_ONE = {
     "letters to deliver": st.builds(m.DeliverGoal, int64, int32, int32, some_ints),
     "bundle to store": st.builds(m.StoreGoal, int64, int32, int32, int32, int32),
     "tasks": st.builds(m.Tasks, time, st.lists(states, max_size=3).map(tuple)),
-    "beat": st.builds(m.Beat, time, st.integers(0, 2**64 - 1), st.lists(text, max_size=3).map(tuple)),
+    "beat": st.builds(m.Beat, time, st.integers(0, 2**64 - 1), st.lists(text, max_size=3).map(tuple), int64),
     "what a part has heard": st.builds(
         m.Heard,
         st.sampled_from(("word manager", "letter manager", "fleet manager", "bots 0-3,5")),
@@ -143,6 +150,8 @@ ONE_TO_ONE = {
         st.frozensets(st.sampled_from(EventType)),
         st.frozensets(st.integers(0, 2**31 - 1), max_size=3),
         st.booleans(),
+        counts,
+        counts,
     ),
 }
 
@@ -238,15 +247,15 @@ orders = st.integers(0, wire.MOST_ORDERS - 1)
     int64,
 )
 def test_an_order_of_the_fleet_arrives(asked: m.DriveGoal | m.CancelDrive | m.TripGoal | m.CancelTrip, run: int):
-    order = over_the_wire(wire.to_order(asked, run))
-    assert (wire.from_ros(order), order.run) == (asked, run)
+    order = over_the_wire(wire.to_order(asked, run, "bots 0-3"))
+    assert (wire.from_ros(order), order.run, order.part) == (asked, run, "bots 0-3")
 
 
 @given(st.builds(m.DriveResult, int32, orders, st.sampled_from(Code), text)
        | st.builds(m.TripResult, int32, orders, st.sampled_from(Code), text), int64)  # fmt: skip
 def test_the_outcome_of_an_order_arrives(result: m.DriveResult | m.TripResult, run: int):
-    outcome = over_the_wire(wire.to_outcome(result, run))
-    assert (wire.from_ros(outcome), outcome.run) == (result, run)
+    outcome = over_the_wire(wire.to_outcome(result, run, "bots 0-3"))
+    assert (wire.from_ros(outcome), outcome.run, outcome.part) == (result, run, "bots 0-3")
 
 
 @given(st.binary(max_size=300), int64, st.integers(0, 2**63))
@@ -356,6 +365,8 @@ NONSENSE = {
     "a path back in time": lambda: wire.from_ros(snapshot_with_path([2.0, 1.0], 0.0, 0.0)),
     "a storage spot off the floor": lambda: wire.from_ros(msg.Layout(storage_spots=[4])),
     "a scenario of another version": lambda: wire.from_ros(msg.Scenario(json='{"name": 3}')),
+    "a count without a channel": lambda: wire.from_ros(msg.Heard(part="fleet manager", sent=[1])),
+    "a channel that there is not": lambda: wire.from_ros(msg.Heard(part="fleet manager", got_on=["x"], got=[1])),
     "a beat wanted at no time": lambda: wire.from_ros(msg.Heard(next_time=math.nan)),
     "a task of no kind": lambda: wire.from_ros(msg.Tasks(tasks=[msg.Task(kind="dance")])),
     "a trip over nowhere": lambda: wire.trip_goal(

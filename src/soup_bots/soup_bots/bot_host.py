@@ -17,7 +17,7 @@ from soup_bots.crew import FOR_BOTS, Crew
 from soup_bots.rehearsal import rehearse
 from soup_bots.steering import KNOWN
 from soup_bots.steering.base import Steering
-from soup_msgs_py import topics
+from soup_msgs_py import mail, topics
 from soup_msgs_py.arguments import written_bots
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import InputError
@@ -30,6 +30,7 @@ from soup_msgs_py.messages import (
     BotReply,
     BotStatus,
     CancelDrive,
+    CancelTrip,
     Charge,
     DriveGoal,
     DriveResult,
@@ -224,6 +225,8 @@ class BotHost:
         self._worlds_met = info.total_count
 
     def _ask(self, message: Message) -> bool:
+        if isinstance(message, DriveGoal) and message.drive < MOST_ORDERS:  # perhaps of another bot
+            self._follower.mail.got(mail.drives(message.bot))
         takes = self._follower.begun and message.bot in self._bots
         if takes:
             self._follower.tell(message)
@@ -233,6 +236,12 @@ class BotHost:
 
     def _on_order(self, order: msg.Order) -> None:
         asked = from_ros(order)
+        if order.part == self._live.name:
+            self._follower.mail.got(mail.orders(order.part))
+        self._take_order(order, asked)
+        self._follower.settle()
+
+    def _take_order(self, order: msg.Order, asked: DriveGoal | CancelDrive | TripGoal | CancelTrip) -> None:
         if order.bot not in self._bots or order.run != self._follower.run:
             return
         if isinstance(asked, DriveGoal | CancelDrive):
@@ -249,18 +258,22 @@ class BotHost:
             self._bots[result.bot].end_drive(result)
         else:
             ended = replace(result, drive=result.drive - MOST_ORDERS)
-            self._outcomes.publish(to_outcome(ended, self._follower.run))
+            self._tell_fleet(ended)
 
     def _end_trip(self, result: TripResult) -> None:
         self._bots[result.bot].end_trip(result)
-        self._outcomes.publish(to_outcome(result, self._follower.run))
+        self._tell_fleet(result)
+
+    def _tell_fleet(self, result: DriveResult | TripResult) -> None:
+        self._follower.mail.sent(mail.outcomes(self._live.name))
+        self._outcomes.publish(to_outcome(result, self._follower.run, self._live.name))
 
     # ---- what the world tells -----------------------------------------------------------------------------
 
     def _on_reply(self, reply: BotReply) -> None:
         if reply.bot in self._bots:
             self._follower.now = max(self._follower.now, reply.time)
-            self._follower.tell(reply)
+            self._follower.tell(reply, is_asked=True)
 
     def _on_buckets(self, cdr: bytes) -> None:
         self._buckets = cdr
@@ -290,6 +303,7 @@ class BotHost:
             self._carriers[type(message)](message)
 
     def _tell_status(self, status: BotStatus) -> None:
+        self._follower.mail.sent(mail.outcomes(self._live.name))
         self._bots[status.bot].tell_status(status, self._follower.run)
 
     def _set_velocities(self, message: SetVelocities) -> None:
@@ -305,6 +319,7 @@ class BotHost:
         if client is None:
             name = topics.bot_topic(goal.bot, topics.DRIVE)
             client = self._drive_clients[goal.bot] = GoalClient(
-                self._live, self._node, action.Drive, name, profile=COMMANDS
-            )
+                self._live, self._node, action.Drive, name, profile=COMMANDS,
+                sent=lambda: self._follower.mail.sent(mail.drives(goal.bot)),
+            )  # fmt: skip
         client.send(goal.drive, to_ros(goal), lambda _feedback: None, lambda _code, _message: None)

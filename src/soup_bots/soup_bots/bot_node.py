@@ -71,6 +71,7 @@ class BotNode:
         self._status = node.create_publisher(msg.BotStatus, topics.STATUS, LATCHED)
         self._answers: dict[int, tuple[type, Answer]] = {}
         self._tokens = 0
+        self._statuses = 0  # told so far
         serve(live, node, srv.Grab, topics.GRAB, self._on_grab, COMMANDS)
         serve(live, node, srv.Release, topics.RELEASE, self._on_release, COMMANDS)
         serve(live, node, srv.Transfer, topics.TRANSFER, self._on_transfer, COMMANDS)
@@ -105,7 +106,8 @@ class BotNode:
     def tell_status(self, status: BotStatus, run: int) -> None:
         """Publish what the bot is doing, in a run of the world."""
         message = to_ros(status)
-        message.run = run
+        self._statuses += 1
+        message.run, message.part, message.number = run, self._live.name, self._statuses
         self._status.publish(message)
 
     def answer(self, token: int, reply: BotReply) -> None:

@@ -52,6 +52,7 @@ class Course:
     last: float = 0.0
     wall_seconds: float = 0.0
     bound: float | None = None  # words a second, as the world told
+    latency_s: float = 0.0
     parts: dict[str, dict[str, str]] = field(default_factory=dict)  # what processes at work last reported, by name
     restarts: int = 0
     senseless: Counter[str] = field(default_factory=Counter)  # messages that make no sense and are left out, by topic
@@ -174,6 +175,7 @@ def read_course(bag: Bag, stop: float = math.inf) -> Course:
                 course.last = max(course.last, min(from_stamp(message.clock), stop))
             elif name == topics.STATISTICS:
                 course.wall_seconds, course.bound = message.wall_seconds, message.word_rate_bound
+                course.latency_s = message.latency_s
                 course.last = max(course.last, min(message.sim_seconds, stop))
             elif name == topics.SNAPSHOT:
                 sight = Sight(message.sequence, from_stamp(message.header.stamp), at)

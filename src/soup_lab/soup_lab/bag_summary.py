@@ -21,7 +21,7 @@ from soup_sim.summary import make_summary
 # Figures that events do not tell. They come from places and states, which a bag holds several times a second.
 MEASURED = (
     "wall_seconds", "real_time_factor", "distance_total_m", "distance_mean_m", "bot_idle_fraction",
-    "word_station_idle_fraction", "letter_station_idle_fraction",
+    "word_station_idle_fraction", "letter_station_idle_fraction", "latency_s",
 )  # fmt: skip
 
 
@@ -63,6 +63,7 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
         "word_station_idle_fraction": _idle(busy[0], stations[0], seconds),
         "letter_station_idle_fraction": _idle(busy[1], stations[1], seconds),
         "wall_seconds": course.wall_seconds,
+        "latency_s": course.latency_s,
         "real_time_factor": course.last / course.wall_seconds if course.wall_seconds > 0 else 0.0,
     }
     if course.bound is None:

@@ -36,7 +36,7 @@ from soup_msgs_py.policies import ROLES, load_policies, usual_policies
 from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
 from soup_sim.setup import load_warehouse
-from soup_sim.summary import table, write_summary
+from soup_sim.summary import lateness, table, write_summary
 
 FLEET = "fleet manager"
 OTHERS = 5  # processes besides the bots'
@@ -136,6 +136,8 @@ def run(options: argparse.Namespace) -> int:
     summary = json.loads(text)
     written = write_summary(options.summary, summary)
     console.print(table(summary))
+    if late := lateness(summary):
+        console.print(late, style="yellow", highlight=False)
     if summary["violations"]:
         raise RunError(f"{summary['violations']} conservation laws were broken")
     if not written:

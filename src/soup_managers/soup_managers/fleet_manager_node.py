@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,15 +11,14 @@ from typing import Any
 from rclpy.action.server import ServerGoalHandle
 from soup_msgs import action, msg, srv
 
-from soup_managers.departures import Departures
 from soup_managers.explain import Explain
 from soup_managers.hosts import Hosts
 from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
 from soup_managers.orders_node import Orders
 from soup_managers.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView
-from soup_msgs_py import topics
-from soup_msgs_py.codes import Code, Phase
+from soup_msgs_py import mail, topics
+from soup_msgs_py.codes import Code
 from soup_msgs_py.live.actions import GoalServer
 from soup_msgs_py.live.charge import InCharge
 from soup_msgs_py.live.follower import Follower
@@ -46,7 +44,7 @@ from soup_msgs_py.messages import (
     TripGoal,
     TripResult,
 )
-from soup_msgs_py.mind import Message
+from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.policies import PolicyChoice
 from soup_msgs_py.qos import CHARGES, DISPLAY, LATCHED
 from soup_msgs_py.wire import Announcement, MalformedMessage, from_ros, read_cdr, to_ros, to_ros_of
@@ -54,8 +52,7 @@ from soup_msgs_py.wire import Announcement, MalformedMessage, from_ros, read_cdr
 TASKS_PERIOD_S = 0.5
 NOT_YET = "the fleet manager waits for the world"
 LOOK_AT_BOTS_S = 0.2
-LONGEST_AGE_S = 0.1  # wall time; the clock ticks more often
-LEAD_S = 0.08  # wall time that a drive needs from the fleet over its bot to the world, with room
+PLACES_S = 0.2  # simulated time between two looks at where bots are, while the fleet has to see that
 
 
 class FleetManagerNode:
@@ -78,17 +75,18 @@ class FleetManagerNode:
         self._bound = node.create_publisher(msg.Bound, topics.BOUND, LATCHED)
         self._fleet: Fleet | None = None
         self._published: tuple[TaskState, ...] | None = None
-        self._speed = 1.0  # simulated seconds a wall second
-        self._looked: tuple[float, float] | None = None  # wall and simulated time of the last look
         self._servers: dict[str, GoalServer] = {}
         self._goals: dict[tuple[str, int], list[ServerGoalHandle]] = {}
-        self._orders = Orders(live, node, lambda: self._follower.run, self._on_result)
         self._bots = 0  # whose statuses are followed
         self._newest: dict[int, tuple[int, BotStatus]] = {}  # with the run that it is of
         self._silent: set[int] = set()  # bots that have spoken, but may not hear yet
         self._known: set[int] = set()
         self._hosts = Hosts()
-        self._departures = Departures(self._hosts.together)
+        self._orders = Orders(
+            live, node, lambda: self._follower.run, self._on_result, self._hosts.name, lambda: self._follower.mail
+        )
+        self._bounds = 0  # told so far
+        self._next_places = 0.0  # simulated time (s) of the next look at where bots are
         self._is_new = False  # another world has begun, and its fleet is not told yet what came before it
         self._report = Report(live, node)
         self._report.values = {"policy": choice.name, "bots": "0"}
@@ -96,8 +94,8 @@ class FleetManagerNode:
             TaskFeedback: self._tell_task,
             TaskResult: self._end_task,
             TripGoal: self._orders.ask,
-            DriveGoal: self._ask_to_drive,
-            Bound: lambda m: self._bound.publish(to_ros_of(self._follower.run, m)),
+            DriveGoal: self._orders.ask,
+            Bound: self._tell_bound,
             CancelTrip: self._orders.cancel,
             CancelDrive: self._orders.cancel,
             SetStorageSpot: self._ask_world,
@@ -105,11 +103,10 @@ class FleetManagerNode:
         self._charge = InCharge(live, node, self._report, choice.name, take_over=take_over, begin=self._begin)
         self._follower = Follower(
             live, node, self._report, self._make_mind, self._carry, lambda: self._charge.missing,
-            holds=lambda now: self._departures.earliest(time.monotonic(), now), prepare=self._set_lead,
+            looks=self._next_look,
         )  # fmt: skip
         live.follow(node, msg.Charge, topics.BOTS_CHARGE, self._on_bots_charge, CHARGES)
-        live.subscribe(node, msg.Bots, topics.BOTS, self._on_poses, DISPLAY, raw=True)
-        self._poses = b""
+        live.subscribe(node, msg.Bots, topics.SENSED_BOTS, self._on_poses, DISPLAY, raw=True)
         live.every(TASKS_PERIOD_S, self._look_at_fleet)
         live.every(LOOK_AT_BOTS_S, self._look_at_bots)
 
@@ -123,7 +120,7 @@ class FleetManagerNode:
         self._orders.clear()
         policy = load_fleet(self._choice)
         self._is_new = True
-        self._departures.clear()
+        self._next_places = world.time
         view = WarehouseView(world.scenario, world.layout)
         rng = role_rng("fleet", self._seed)
         self._fleet = make_fleet(world.scenario, world.layout, policy, view, rng, self._explain)
@@ -141,11 +138,14 @@ class FleetManagerNode:
     def _serve(self, kind: str, action_type: Any, name: str) -> GoalServer:
         def accept(handle: ServerGoalHandle) -> None:
             goal = from_ros(handle.request)
+            self._follower.mail.got(mail.goals(kind))
             self._goals.setdefault((kind, goal.task), []).append(handle)
             if self._follower.mind is None:
                 self._end_task(TaskResult(kind, goal.task, Code.BUSY, NOT_YET))
             elif handle.request.run in (0, self._follower.run):
                 self._follower.tell(goal)
+            else:
+                self._follower.settle()
 
         def cancel(handle: ServerGoalHandle) -> None:
             self._follower.tell(CancelTask(kind, handle.request.task))
@@ -158,6 +158,7 @@ class FleetManagerNode:
 
     def _end_task(self, result: TaskResult) -> None:
         for handle in self._goals.pop((result.kind, result.task), ()):
+            self._follower.mail.sent(mail.results(result.kind))
             self._servers[result.kind].finish(handle, result.code, result.message)
 
     # ---- the bots -----------------------------------------------------------------------------------------
@@ -167,12 +168,12 @@ class FleetManagerNode:
         if status.bot != bot:
             raise MalformedMessage(f"bot {status.bot} on the topic of bot {bot}")
         self._newest[status.bot] = message.run, status
-        if status.phase is Phase.DRIVING:
-            self._departures.confirm(status.bot)
+        self._follower.mail.got(mail.outcomes(message.part), message.number, bot)
         if status.bot in self._known:
             self._tell_newest(status.bot)
         else:
             self._silent.add(status.bot)
+        self._follower.settle()
 
     def _tell_newest(self, bot: int) -> None:
         """Tell the fleet what a bot said last, unless that was in another run of the world."""
@@ -208,51 +209,41 @@ class FleetManagerNode:
 
     def _on_bots_charge(self, charge: Charge) -> None:
         for bot in sorted(self._hosts.hear(charge)):
-            self._departures.give_up(bot)
             self._follower.tell(BotGone(bot))
 
     def _on_result(self, result: DriveResult | TripResult, answered: bool) -> None:
-        if isinstance(result, DriveResult) and answered:
-            self._departures.confirm(result.bot)
         self._follower.tell(result)
 
     def _ask_world(self, wish: SetStorageSpot) -> None:
-        self._world.call_async(to_ros(wish))  # an event tells whether it did
+        self._follower.call(self._world, to_ros(wish), lambda _: None)  # an event tells whether it did
 
-    def _ask_to_drive(self, goal: DriveGoal) -> None:
-        self._departures.ask(goal, time.monotonic())
-        self._orders.ask(goal)
+    def _tell_bound(self, bound: Bound) -> None:
+        self._bounds += 1
+        self._follower.mail.sent(mail.BOUND)
+        message = to_ros_of(self._follower.run, bound)
+        message.number = self._bounds
+        self._bound.publish(message)
 
     # ---- now and then -------------------------------------------------------------------------------------
 
+    def _next_look(self) -> float:
+        return self._next_places if self._fleet is not None and self._fleet.wants_places else NEVER
+
     def _on_poses(self, cdr: bytes) -> None:
-        self._poses = cdr
-        if self._fleet is not None and self._fleet.wants_places:
-            self._tell_poses()
-
-    def _tell_poses(self) -> None:
-        if self._poses and self._follower.in_step:
-            poses, self._poses = read_cdr(self._poses, msg.Bots), b""
-            if self._live.belongs(poses.run, self._follower.run):
-                self._follower.tell(from_ros(poses))
-
-    def _measure_speed(self) -> None:
-        wall = time.monotonic()
-        before, self._looked = self._looked, (wall, self._follower.now)
-        if before is not None and wall > before[0]:
-            self._speed = max((self._looked[1] - before[1]) / (wall - before[0]), 1.0)
-
-    def _set_lead(self, age_s: float) -> None:
-        """Have bots told of drives early enough for the speed at which simulated time goes now."""
-        if self._fleet is not None:
-            self._fleet.lead_s = (LEAD_S + min(age_s, LONGEST_AGE_S)) * self._speed
+        fleet = self._fleet
+        if fleet is None or not self._follower.in_step or not fleet.wants_places:
+            return
+        poses = read_cdr(cdr, msg.Bots)
+        if self._live.belongs(poses.run, self._follower.run):
+            bots = from_ros(poses)
+            self._follower.now = max(self._follower.now, bots.time)
+            self._next_places = bots.time + PLACES_S
+            self._follower.tell(bots)
 
     def _look_at_fleet(self) -> None:
         fleet = self._fleet
         if fleet is None or not self._follower.in_step:
             return
-        self._tell_poses()
-        self._measure_speed()
         self._report.values["stalled_bots"] = "; ".join(f"{bot}: {why}" for bot, why in fleet.stalled.items()) or "none"
         tasks = fleet.tasks()
         if tasks != self._published:

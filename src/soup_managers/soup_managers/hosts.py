@@ -31,6 +31,11 @@ class Hosts:
         self._known |= self._host.keys()
         return had - self._host.keys()
 
+    def name(self, bot: int) -> str:
+        """The process that has a bot, as it calls itself; empty where nobody has said so."""
+        host = self._host.get(bot)
+        return host.part if host is not None else ""
+
     def together(self, bot: int) -> tuple[int, ...]:
         """The bots of the process that has a bot, itself included."""
         host = self._host.get(bot)

@@ -11,9 +11,10 @@ from collections.abc import Callable
 from rclpy.node import Node
 from soup_msgs import msg
 
-from soup_msgs_py import topics
+from soup_msgs_py import mail, topics
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.process import Live
+from soup_msgs_py.mail import Mail
 from soup_msgs_py.messages import CancelDrive, CancelTrip, DriveGoal, DriveResult, TripGoal, TripResult
 from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import from_ros, to_order
@@ -25,7 +26,15 @@ GONE = "who was asked is gone"
 class Orders:
     """Orders that are under way."""
 
-    def __init__(self, live: Live, node: Node, run: Callable[[], int], ended: Callable[[Result, bool], None]) -> None:
+    def __init__(
+        self,
+        live: Live,
+        node: Node,
+        run: Callable[[], int],
+        ended: Callable[[Result, bool], None],
+        host: Callable[[int], str],
+        post: Callable[[], Mail],
+    ) -> None:
         """Nothing is asked yet.
 
         Args:
@@ -33,8 +42,10 @@ class Orders:
             node: The node that asks.
             run: Tells which run of the world it follows.
             ended: Is told how what it asked for ended, and whether the bot itself says so.
+            host: The process that has a bot's mind; empty where nobody has said so.
+            post: Where what is sent and heard is counted.
         """
-        self._node, self._run, self._ended = node, run, ended
+        self._node, self._run, self._ended, self._host, self._post = node, run, ended, host, post
         self._publisher = node.create_publisher(msg.Order, topics.ORDERS, EVERY_ONE)
         self._signs: dict[int, Callable[[], int]] = {}
         self._asked: dict[int, dict[tuple[type[Result], int], Result]] = {}  # by bot: what will be told if it is gone
@@ -63,11 +74,17 @@ class Orders:
             gone = TripResult(goal.bot, goal.trip.trip, Code.STOPPED, GONE)
             number = goal.trip.trip
         self._asked.setdefault(goal.bot, {})[type(gone), number] = gone
-        self._publisher.publish(to_order(goal, self._run()))
+        self._send(goal)
 
     def cancel(self, cancel: CancelDrive | CancelTrip) -> None:
         """Ask a bot to end something early."""
-        self._publisher.publish(to_order(cancel, self._run()))
+        self._send(cancel)
+
+    def _send(self, order: DriveGoal | TripGoal | CancelDrive | CancelTrip) -> None:
+        host = self._host(order.bot)
+        if host:
+            self._post().sent(mail.orders(host))
+        self._publisher.publish(to_order(order, self._run(), host))
 
     def look(self) -> None:
         """End what was asked of bots that are gone."""
@@ -83,6 +100,7 @@ class Orders:
         result: Result = from_ros(outcome)
         if outcome.run != self._run():
             return
+        self._post().got(mail.outcomes(outcome.part))
         number = result.drive if isinstance(result, DriveResult) else result.trip
         self._asked.get(result.bot, {}).pop((type(result), number), None)
         self._ended(result, True)

@@ -11,7 +11,7 @@ import numpy as np
 from soup_msgs import msg
 
 from soup_managers.explain import Explain, write_lines
-from soup_msgs_py import topics
+from soup_msgs_py import mail, topics
 from soup_msgs_py.arguments import Parser, add_explain, seed
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.actions import GoalClient
@@ -76,7 +76,11 @@ class StationManagerNode:
         node = live.node(name)
         self._world = node.create_client(*service, qos_profile=EVERY_ONE)
         fleet = ChargeWatch(live, node, topics.FLEET_MANAGER_NODE)
-        self._fleet = GoalClient(live, node, *action, signs=lambda: fleet.claim, term=lambda: fleet.claim)
+        self._fleet = GoalClient(
+            live, node, *action, signs=lambda: fleet.claim, term=lambda: fleet.claim,
+            sent=lambda: self._follower.mail.sent(mail.goals(kind)),
+            ended=lambda: self._follower.mail.got(mail.results(kind)),
+        )  # fmt: skip
         self._waits_for_fleet = f"waits for the fleet manager (nobody serves {action[1]})"
         self._waits_for_world = f"waits for the world (nobody serves {service[1]})"
         self._report = Report(live, node)
@@ -84,7 +88,7 @@ class StationManagerNode:
         self._charge = InCharge(live, node, self._report, policy, take_over=take_over)
         self._follower = Follower(live, node, self._report, make_mind, self._carry, self._missing)
         if kind == DELIVER:
-            live.follow(node, msg.Bound, topics.BOUND, self._follower.tell, LATCHED, run=lambda: self._follower.run)
+            live.subscribe(node, msg.Bound, topics.BOUND, self._on_bound, LATCHED)
         live.every(LOOK_FOR_FLEET_S, self._fleet.look)
 
     def _missing(self) -> str:
@@ -98,14 +102,20 @@ class StationManagerNode:
         for message in messages:
             match message:
                 case AssignWord() | AssignBundle():
-                    self._world.call_async(to_ros(message)).add_done_callback(self._live.guard(self._on_reply))
+                    self._follower.call(self._world, to_ros(message), self._on_reply)
                 case DeliverGoal() | StoreGoal():
                     self._ask_fleet(message)
                 case CancelTask():
                     self._fleet.cancel(message.task)
 
-    def _on_reply(self, future: Any) -> None:
-        self._follower.tell(from_ros(future.result()))
+    def _on_reply(self, response: Any) -> None:
+        self._follower.tell(from_ros(response))
+
+    def _on_bound(self, bound: msg.Bound) -> None:
+        told = from_ros(bound)
+        if self._live.belongs(bound.run, self._follower.run):
+            self._follower.mail.got(mail.BOUND, bound.number)
+            self._follower.tell(told)
 
     def _ask_fleet(self, goal: DeliverGoal | StoreGoal) -> None:
         kind, task = self._kind, goal.task

@@ -31,6 +31,11 @@ class EventStream:
         self._behind = 0  # snapshots in a row that were older than the newest event
         self._early: deque[Event] = deque(maxlen=MOST_KEPT)
 
+    @property
+    def newest(self) -> int:
+        """Number of the newest event that was heard, or that a snapshot held; -1 for none."""
+        return self._last
+
     def restart(self) -> None:
         """Become a newcomer again: there is another world now."""
         self.in_step = False

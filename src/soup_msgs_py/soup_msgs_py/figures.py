@@ -62,6 +62,9 @@ FIGURES = {
     "seed": Figure("seed", "", "of all random numbers"),
     "violations": Figure("violations", "", "broken conservation laws, found by the judge; anything but 0 is a fault"),
     "station_policies": Figure("station policy", "", "what word stations and letter stations do next by themselves"),
+    "latency_s": Figure(
+        "time without answers", "s", "simulated time that went on without a part or message that was waited for in vain"
+    ),
 }
 # Of a running world only, on /world/statistics.
 LIVE_FIGURES = {

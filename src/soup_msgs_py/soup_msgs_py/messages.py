@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_msgs_py.codes import Code, EventType, Phase
+from soup_msgs_py.mail import Counts
 from soup_msgs_py.message import message, message_of_arrays
 
 Point = tuple[float, float]
@@ -512,11 +513,13 @@ class Beat:
         time: Simulated time (s); it travels exactly, so that who wanted a beat at a time gets it at that time.
         number: Counts the beats, from 1 on.
         parts: Who has to say that it was heard.
+        sequence: Number of the newest event, which they have to have heard by then.
     """
 
     time: float
     number: int
     parts: tuple[str, ...] = ()
+    sequence: int = -1
 
 
 @message
@@ -530,6 +533,8 @@ class Heard:
         reacts: Events upon which it may say something; the world waits for it only after those.
         bots: Whose replies it waits for, and to whose events `reacts` is restricted; empty for a part without bots.
         leaves: Whether the world is not to wait for it any more.
+        sent: Messages to other parts so far, by channel (see `mail`), where that has changed.
+        got: Messages of other parts that it has taken in so far, likewise.
     """
 
     part: str
@@ -538,6 +543,8 @@ class Heard:
     reacts: frozenset[EventType] = frozenset()
     bots: frozenset[int] = frozenset()
     leaves: bool = False
+    sent: Counts = ()
+    got: Counts = ()
 
 
 @message

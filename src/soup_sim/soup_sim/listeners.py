@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard
 from soup_msgs_py.mind import NEVER, Message
+from soup_sim.in_flight import InFlight
 
 # wall time; a part that is silent for longer is waited for no more, until it speaks again
 PATIENCE_S = 4.0  # managers may have to plan much
@@ -35,12 +36,13 @@ class _Listener:
 class Listeners:
     """The parts that think, each with the last beat that it has heard.
 
-    The world stays at an instant at which it has said something until all whom it concerns have heard it. What they
-    ask for in return takes effect at this very instant, as in one process, however fast the world runs and however
-    busy the machine is. A world too fast for its minds slows down.
+    The world stays at an instant at which it has said something until all whom it concerns have heard it, and all that
+    they have said to each other upon it. What they ask for in return takes effect at this very instant, as in one
+    process, however fast the world runs and however busy the machine is. A world too fast for its minds slows down.
 
     Attributes:
         lost: Parts that were silent for too long, in the order of their names.
+        latency_s: Simulated time that went on without a part that was lost, or a message that was given up (s).
     """
 
     def __init__(self, beats: int = 0) -> None:
@@ -52,9 +54,11 @@ class Listeners:
         self.lost: tuple[str, ...] = ()
         self._parts: dict[str, _Listener] = {}
         self._beats = beats
-        self._since = 0.0
+        self._since = self._heard_at = 0.0  # wall time since which it waits, and when a part spoke last
         self._waited_s: dict[str, float] = {}  # wall time, by the part that was waited for last
         self._asked = 0.0
+        self.latency_s = 0.0
+        self._in_flight = InFlight()
 
     @property
     def names(self) -> list[str]:
@@ -81,8 +85,14 @@ class Listeners:
         """The next simulated time (s) at which one of them wants to hear how things are; infinity for never."""
         return min((part.next_time for part in self._parts.values()), default=NEVER)
 
-    def beat(self, now: float, wall: float) -> Beat:
-        """The beat that tells at simulated time `now` that the world has said something, and waits."""
+    def beat(self, now: float, wall: float, sequence: int = -1) -> Beat:
+        """The beat that tells at simulated time `now` that the world has said something, and waits.
+
+        Args:
+            now: Simulated time (s).
+            wall: Any clock of wall time (s).
+            sequence: Number of the newest event.
+        """
         self._beats += 1
         self._since = wall
         asked = []
@@ -93,18 +103,22 @@ class Listeners:
             if part.next_time <= now:
                 part.next_time = NEVER
         # nobody waits for those who were lost; one that only stood still is to say that it is back
-        return Beat(now, self._beats, (*asked, *self.lost))
+        return Beat(now, self._beats, (*asked, *self.lost), sequence)
 
     def hear(self, heard: Heard, wall: float) -> None:
         """Take in how far a part is."""
-        waited = bool(self._late())
+        waited, self._heard_at = self._waits, wall
         self.lost = tuple(name for name in self.lost if name != heard.part)
         if heard.leaves:
             self._parts.pop(heard.part, None)
+            self._in_flight.forget(heard.part)
         else:
             part = self._parts.setdefault(heard.part, _Listener(heard, heard.next_time))
             part.said, part.next_time, part.expected = heard, heard.next_time, False
-        if waited and not self._late():
+            self._in_flight.hear(heard)
+        if not waited:
+            self._since = wall
+        elif not self._waits:
             self._waited_s[heard.part] = self._waited_s.get(heard.part, 0.0) + wall - self._since
 
     def wait(self, wall: float, *, paused: bool = False) -> bool:
@@ -117,7 +131,26 @@ class Listeners:
             del self._parts[name]
         if silent:
             self.lost = tuple(sorted({*self.lost, *silent}))
-        return len(late) > len(silent)
+            for name in silent:
+                self._in_flight.forget(name)
+        if len(late) > len(silent):
+            return True
+        if self._in_flight.any:
+            if wall - max(self._since, self._heard_at) <= PATIENCE_S:
+                return True
+            self._in_flight.give_up()
+        self._in_flight.settle()
+        return False
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """What the world goes on without: parts that were lost, and channels on which messages were given up."""
+        return *self.lost, *sorted(self._in_flight.given_up)
+
+    def went_on(self, seconds: float) -> None:
+        """Simulated time has gone on for some seconds."""
+        if self.lost or self._in_flight.given_up:
+            self.latency_s += seconds
 
     def waited(self, wall: float) -> str:
         """How much the world has waited since this was asked last, and for whom most."""
@@ -127,6 +160,10 @@ class Listeners:
             return "0 % of the time"
         most = max(waited_s, key=lambda part: waited_s[part])
         return f"{100.0 * sum(waited_s.values()) / elapsed:.0f} % of the time, most for {most}"
+
+    @property
+    def _waits(self) -> bool:
+        return bool(self._late()) or self._in_flight.any
 
     def _late(self) -> list[str]:
         return [name for name, part in self._parts.items() if part.late]

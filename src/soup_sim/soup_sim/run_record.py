@@ -83,11 +83,11 @@ class RunRecord:
         """Take in where everything is now."""
         self._judge.poses(bots, buckets)
 
-    def finish(self, wall_seconds: float, policies: Policies) -> dict[str, Any]:
+    def finish(self, wall_seconds: float, policies: Policies, latency_s: float = 0.0) -> dict[str, Any]:
         """The run is over: judge its end, write the files, as far as that can be; the summary."""
         self._judge.finish(self._world.snapshot())
         summary = make_summary(
-            self._world.statistics(wall_seconds),
+            {**self._world.statistics(wall_seconds), "latency_s": latency_s},
             self._world.scenario,
             policies,
             self._seed,

@@ -16,6 +16,9 @@ from soup_msgs_py.scenario import Scenario
 
 KEYS = tuple(FIGURES)
 
+# Share of a run in which simulated time may go on though something is under way, before a person is warned.
+MOST_LATENCY = 0.01
+
 
 def make_summary(
     figures: Mapping[str, Any], scenario: Scenario, policies: Policies, seed: int, violations: int | None
@@ -30,6 +33,7 @@ def make_summary(
         violations: Broken laws that the judge has counted; None where he could not judge.
     """
     values = {
+        "latency_s": 0.0,  # but for parts in processes of their own
         **figures,
         "bots": scenario.bots,
         "buckets": scenario.buckets,
@@ -65,6 +69,18 @@ def write_summary(path: Path | None, summary: Mapping[str, Any], tell: Tell = te
             tell(str(error))
             return False
     return True
+
+
+def lateness(summary: Mapping[str, Any]) -> str:
+    """A warning where simulated time went on for long though messages were under way; empty where it did not."""
+    latency_s, seconds = summary["latency_s"], summary["sim_seconds"]
+    if latency_s <= MOST_LATENCY * seconds:
+        return ""
+    share = 100.0 * latency_s / seconds
+    return (
+        f"warning: {latency_s:.0f} s of the run ({share:.0f} %) went on without a part or a message that the world had "
+        "waited for in vain; compare its figures with those of run_headless.py before you rely on them"
+    )
 
 
 def table(summary: Mapping[str, Any]) -> Table:

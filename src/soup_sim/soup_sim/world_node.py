@@ -72,7 +72,7 @@ from soup_sim.pacing import Pacer
 from soup_sim.rehearsal import rehearse
 from soup_sim.run_record import RunRecord
 from soup_sim.setup import load_warehouse
-from soup_sim.summary import table
+from soup_sim.summary import lateness, table
 from soup_sim.world import World
 
 TICK_S = 0.01  # wall time between two looks at the pace
@@ -185,6 +185,11 @@ class WorldNode:
         serve(live, node, srv.SetSpeed, topics.SET_SPEED, self._on_set_speed)
         serve(live, node, srv.Checkpoint, topics.CHECKPOINT, self._on_checkpoint)
 
+    @property
+    def latency_s(self) -> float:
+        """Simulated time that went on without a part or a message that the world had waited for in vain (s)."""
+        return self._listeners.latency_s
+
     def policies(self) -> Policies:
         """What the parts that are at work say that they follow."""
         return policies_of(self._parts.at_work)
@@ -231,7 +236,9 @@ class WorldNode:
         until = self._pacer.until(wall, world.now)
         while not listeners.wait(wall, paused=self._pacer.paused):
             if not listeners.asked:
+                before = world.now
                 said = world.advance(max(world.now, min(until, listeners.next_time)), pause=True)
+                listeners.went_on(world.now - before)
                 self._tell(said)
                 if not listeners.asked and world.now < listeners.next_time:
                     if said:
@@ -240,7 +247,7 @@ class WorldNode:
             if listeners.next_time <= world.now:
                 self._publish(self._sensed_buckets, world.buckets())
                 self._publish(self._sensed_bots, world.bots())
-            self._publish(self._beat, listeners.beat(world.now, wall))
+            self._publish(self._beat, listeners.beat(world.now, wall, world.sequence))
 
     def _on_heard(self, message: msg.Heard) -> None:
         heard: Heard = from_ros(message)
@@ -368,9 +375,9 @@ class WorldNode:
 
     def _report_waits(self) -> None:
         self._report.values[WAITS] = self._listeners.waited(time.monotonic())
-        lost = self._listeners.lost
-        if lost:
-            self._report.waits(f"goes on without {', '.join(lost)}: silent for too long")
+        missing = self._listeners.missing
+        if missing:
+            self._report.waits(f"goes on without {', '.join(missing)}: silent for too long")
         else:
             self._report.works()
 
@@ -383,6 +390,7 @@ class WorldNode:
         figures["refused_requests"] = self._refused
         figures["malformed_messages"] = self._live.malformed
         figures["violations"] = self._record.violations
+        figures["latency_s"] = self._listeners.latency_s
         self._statistics.publish(to_statistics(world.now, figures))
 
 
@@ -435,8 +443,10 @@ def run_world(options: Any) -> int:
             if file is not None:
                 shell.keep_checkpoints(file, options.every)
             live.spin()
-            summary = record.finish(pacer.wall_seconds, shell.policies())
+            summary = record.finish(pacer.wall_seconds, shell.policies(), shell.latency_s)
     console.print(table(summary))
+    if late := lateness(summary):
+        console.print(late, style="yellow", highlight=False)
     for line in record.why():
         console.print(line, style="red", highlight=False)
     return 0 if record.is_written else 1

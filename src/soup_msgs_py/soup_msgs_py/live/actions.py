@@ -124,6 +124,8 @@ class GoalClient:
         signs: Callable[[], int] | None = None,
         profile: QoSProfile = EVERY_ONE,
         term: Callable[[], int] = lambda: 0,
+        sent: Callable[[], None] = lambda: None,
+        ended: Callable[[], None] = lambda: None,
     ) -> None:
         """Look for the server.
 
@@ -138,8 +140,10 @@ class GoalClient:
                 and more among hundreds of bots.
             profile: Deep enough for all goals that are asked for at once.
             term: Tells one who serves the action from the one before: with the server its goals are gone.
+            sent: Is called for each goal that is on its way to the server.
+            ended: Is called for each result that comes from it, before `on_result` is.
         """
-        self._term = term
+        self._term, self._sent, self._ended = term, sent, ended
         self.client = ActionClient(
             node,
             kind,
@@ -213,6 +217,7 @@ class GoalClient:
         unsent, self._unsent = self._unsent, []
         for running in unsent:
             running.sent, running.sent_at, running.term = True, time.monotonic(), self._term()
+            self._sent()
             future = self.client.send_goal_async(
                 running.goal, feedback_callback=lambda m, tell=running.on_feedback: tell(m.feedback)
             )
@@ -230,6 +235,7 @@ class GoalClient:
             running.cancel_if_accepted()
 
     def _on_result(self, running: _Goal, got: Any) -> None:
+        self._ended()
         try:
             code, message = read_result(got.result().result)
         except MalformedMessage:  # a server that was started again knows nothing of this goal

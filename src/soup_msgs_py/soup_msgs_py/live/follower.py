@@ -16,6 +16,7 @@ from soup_msgs_py.codes import EventType
 from soup_msgs_py.event_stream import EventStream
 from soup_msgs_py.live.process import Live
 from soup_msgs_py.live.report import Report
+from soup_msgs_py.mail import Mail
 from soup_msgs_py.messages import Beat, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
@@ -33,13 +34,16 @@ class Follower:
     follow what it was told joins anew, too, at the next snapshot.
 
     The world waits for everybody who follows: at each beat that asks for it the follower says that it has heard the
-    world so far, after all that its mind has said in return, and when it wants the next beat at the latest.
+    world so far, after all that its mind has said in return, and when it wants the next beat at the latest. It also
+    says what the part has sent to other parts and what it has got from them, once its mind has done what it had to
+    upon it, so that the world waits for messages that are under way, too.
 
     Attributes:
         mind: The mind; None before the world has been heard of.
         announcement: What the world has told about its run; None before.
         now: Simulated time (s).
         begun: Whether the mind has ever been told what the world looks like.
+        mail: What the part says to others and hears from them. Count what has come before the mind is told.
     """
 
     def __init__(
@@ -52,9 +56,7 @@ class Follower:
         missing: Callable[[], str],
         concerns: Callable[[Event], bool] | None = None,
         looks: Callable[[], float] = lambda: NEVER,
-        holds: Callable[[float], float] = lambda _: NEVER,
         bots: frozenset[int] = frozenset(),
-        prepare: Callable[[float], None] = lambda _: None,
     ) -> None:
         """Begin to follow.
 
@@ -67,12 +69,7 @@ class Follower:
             missing: What the part waits for besides the world; empty for nothing.
             concerns: Which events the mind is told; all without.
             looks: The simulated time (s) at which the mind wants to look around next.
-            holds: The simulated time (s) that the world must not overtake yet, because what the mind has said for
-                then is still on its way over others; told the time that the world has got to. The world is told that
-                it was heard when that has changed.
             bots: The bots for which the part speaks.
-            prepare: Called before the mind is told something that others said, with the wall time (s) since the
-                simulated time was heard: the world has gone on meanwhile.
         """
         self.mind: Mind | None = None
         self.announcement: Announcement | None = None
@@ -84,11 +81,14 @@ class Follower:
         self._carry = carry
         self._missing = missing
         self._concerns = concerns
-        self._looks, self._holds, self._bots, self._prepare = looks, holds, bots, prepare
-        self._time_heard = time.monotonic()
+        self._looks, self._bots = looks, bots
+        self.mail = Mail()
+        self._calls = 0  # of the world's services that are not answered yet
         self._reacts: frozenset[EventType] = frozenset()  # as the world was told
-        self._beat, self._beat_time = 0, 0.0  # number and simulated time of the newest one
+        self._beat = 0  # number of the newest one
+        self._sequence = -1  # of the newest event when it was said
         self._owes = False  # whether the world waits to be told that it was heard
+        self._will_be_asked = False  # by a beat that is on its way
         self._asked_for = NEVER  # the next beat
         self._heard = node.create_publisher(msg.Heard, topics.HEARD, EVERY_ONE)
         self._stream = EventStream()
@@ -113,15 +113,30 @@ class Follower:
         """Number of the world's run; 0 before the world has been heard of."""
         return self.announcement.run if self.announcement is not None else 0
 
-    def tell(self, message: Message) -> None:
-        """Hand a message to the mind, and what it says to `carry`."""
+    def tell(self, message: Message, *, is_asked: bool = False) -> None:
+        """Hand a message to the mind, and what it says to `carry`.
+
+        Args:
+            message: What was said.
+            is_asked: Whether the world will ask, with a beat, what the part has to say upon it.
+        """
         if self.mind is not None:
-            self._prepare(time.monotonic() - self._time_heard)
             self._carry(self.mind.handle(message, self.now))
-            if self._owes:
-                self._settle()
-            elif self.begun and (self._next() < self._asked_for or self.mind.reacts_to != self._reacts):
-                self._say_heard()
+        self._will_be_asked = self._will_be_asked or is_asked
+        self.settle()
+
+    def call(self, client: Any, request: Any, take: Callable[[Any], None]) -> None:
+        """Ask the world through a service, and hand its answer to `take`. The part has not heard a beat before that."""
+        self._calls += 1
+        run = self.run
+
+        def answered(future: Any) -> None:
+            if self.run == run:
+                self._calls -= 1
+            take(future.result())
+            self.settle()
+
+        client.call_async(request).add_done_callback(self._live.guard(answered))
 
     def _on_announcement(self, announcement: Announcement) -> None:
         self._allegiance.announce(announcement)
@@ -134,24 +149,29 @@ class Follower:
         self.announcement = announcement
         self.now = announcement.time
         self._stream.restart()
-        self.begun = self._owes = False
+        self.begun = self._owes = self._will_be_asked = False
+        self._calls = 0
+        self.mail.tell_all_again()
         self.mind = self._make_mind(announcement)
 
     def _on_clock(self, clock: Clock) -> None:
         self.now = self._report.time = from_stamp(clock.clock)
-        self._time_heard = time.monotonic()
         self._wake()
 
     def _on_beat(self, beat: Beat) -> None:
         self._allegiance.hear(self.run, time.monotonic())
-        self._beat, self._beat_time = beat.number, beat.time
+        self._beat, self._sequence = beat.number, beat.sequence
         self.now = max(self.now, beat.time)
-        self._time_heard = time.monotonic()
         if self.begun:
-            self._wake()
             if self._name in beat.parts:
-                self._owes = True
-                self._settle()
+                self._owes, self._will_be_asked = True, False
+            self._reach()
+
+    def _reach(self) -> None:
+        """Do what is due at the newest beat, once the events before it have come."""
+        if not self._lacks_events:
+            self._wake()
+            self.settle()
 
     def _take_leave(self) -> None:
         if self.begun:  # one that stands by has the name of the one in charge, which the world waits for
@@ -163,29 +183,47 @@ class Follower:
         if self.begun:
             self._say_heard()
 
-    def _settle(self) -> None:
-        if self._owes and self._holds(self._beat_time) > self._beat_time:
-            self._owes = False
+    def settle(self) -> None:
+        """Tell the world how far the part is, if that is news, and nothing is missing that it has to hear first."""
+        if self.mind is None or not self.begun or self._calls:
+            return
+        if self._owes:
+            if not self._lacks_events:
+                self._say_heard()
+        elif not self._will_be_asked and self._has_news:
             self._say_heard()
+
+    @property
+    def _lacks_events(self) -> bool:
+        """Whether the newest beat was faster than an event before it."""
+        return self._stream.in_step and self._stream.newest < self._sequence
+
+    @property
+    def _has_news(self) -> bool:
+        assert self.mind is not None
+        return self.mail.has_news or self._next() < self._asked_for or self.mind.reacts_to != self._reacts
 
     def _say_heard(self) -> None:
         assert self.mind is not None
+        self._owes = False
         self._asked_for, self._reacts = self._next(), self.mind.reacts_to
-        heard = Heard(self._name, self._beat, self._asked_for, self._reacts, self._bots)
+        sent, got = self.mail.news()
+        heard = Heard(self._name, self._beat, self._asked_for, self._reacts, self._bots, sent=sent, got=got)
         self._heard.publish(to_ros_of(self.run, heard))
 
     def _next(self) -> float:
         if self.mind is None or not self.in_step:
             return NEVER
-        return min(self.mind.next_wake, self._looks(), self._holds(self._beat_time))
+        return min(self.mind.next_wake, self._looks())
 
     def _wake(self) -> None:
         if self.mind is not None and self.in_step and self.mind.next_wake <= self.now:
-            self._prepare(0.0)
             self._carry(self.mind.wake(self.now))
 
     def _on_event(self, event: Event) -> None:
         self._hear(self._stream.take_event(event))
+        if self._owes:
+            self._reach()
 
     def next_snapshot(self, take: Callable[[Snapshot], None]) -> None:
         """Hand over the next snapshot, whoever has asked before."""
@@ -208,7 +246,8 @@ class Follower:
     def _look(self) -> None:
         """Join as soon as everything is there."""
         self._change_over()
-        self._settle()
+        self._will_be_asked = False
+        self.settle()
         if self._stream.gaps:
             self._report.values["missed_events"] = f"{self._stream.gaps} times"
         if self.announcement is None:
@@ -237,6 +276,6 @@ class Follower:
         for message in messages:
             self.now = max(self.now, message.time)
             if self._concerns is None or not isinstance(message, Event) or self._concerns(message):
-                self.tell(message)
+                self.tell(message, is_asked=isinstance(message, Event) and message.type in self._reacts)
         if self.mind is not None and self.mind.lost:
             self._stream.lose()

@@ -4,25 +4,28 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
 from soup_msgs import msg
 
 from soup_msgs_py.codes import EventType
+from soup_msgs_py.mail import Counts
 from soup_msgs_py.messages import Beat, Charge, Heard
 from soup_msgs_py.wire.basics import MalformedMessage, check_times, from_ros, member, pack, to_ints, to_ros
 
 _PART = re.compile(r"(word|letter|fleet) manager|bots [0-9,-]+")
+_CHANNEL = re.compile(r"bound|(goals|results) (deliver|store)|(orders|outcomes) bots [0-9,-]+|drives [0-9]+")
 
 
 @to_ros.register
 def _(beat: Beat) -> msg.Beat:
-    return msg.Beat(time=float(beat.time), number=beat.number, parts=list(beat.parts))
+    return msg.Beat(time=float(beat.time), number=beat.number, parts=list(beat.parts), sequence=beat.sequence)
 
 
 @from_ros.register
 def _(beat: msg.Beat) -> Beat:
     check_times(beat.time)
-    return Beat(beat.time, beat.number, tuple(beat.parts))
+    return Beat(beat.time, beat.number, tuple(beat.parts), beat.sequence)
 
 
 @to_ros.register
@@ -34,6 +37,10 @@ def _(heard: Heard) -> msg.Heard:
         reacts=[kind.value for kind in heard.reacts],
         bots=pack("i", sorted(heard.bots)),
         leaves=heard.leaves,
+        sent_on=[name for name, _ in heard.sent],
+        sent=[count for _, count in heard.sent],
+        got_on=[name for name, _ in heard.got],
+        got=[count for _, count in heard.got],
     )
 
 
@@ -44,7 +51,24 @@ def _(heard: msg.Heard) -> Heard:
     if not _PART.fullmatch(heard.part):
         raise MalformedMessage(f"{heard.part[:40]!r} is no part that the world would wait for")
     reacts = frozenset(member(EventType, kind) for kind in heard.reacts)
-    return Heard(heard.part, heard.beat, heard.next_time, reacts, frozenset(to_ints(heard.bots)), heard.leaves)
+    return Heard(
+        heard.part,
+        heard.beat,
+        heard.next_time,
+        reacts,
+        frozenset(to_ints(heard.bots)),
+        heard.leaves,
+        _counts(heard.sent_on, heard.sent),
+        _counts(heard.got_on, heard.got),
+    )
+
+
+def _counts(names: Sequence[str], counts: Sequence[int]) -> Counts:
+    if len(names) != len(counts):
+        raise MalformedMessage(f"{len(counts)} counts for {len(names)} channels")
+    if not all(_CHANNEL.fullmatch(name) for name in names):
+        raise MalformedMessage("counts of a channel that there is not")
+    return tuple(zip(names, map(int, counts), strict=True))
 
 
 @to_ros.register

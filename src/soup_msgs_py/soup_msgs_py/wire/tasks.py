@@ -97,13 +97,14 @@ def drive_goal(goal: action.Drive.Goal | msg.Order, bot: int, drive: int) -> Dri
     return DriveGoal(bot, drive, points, stamps)
 
 
-def to_order(asked: DriveGoal | CancelDrive | TripGoal | CancelTrip, run: int) -> msg.Order:
-    """What the fleet asks of a bot, in a run of the world."""
+def to_order(asked: DriveGoal | CancelDrive | TripGoal | CancelTrip, run: int, part: str = "") -> msg.Order:
+    """What the fleet asks of a bot, in a run of the world; `part` is the process that has its mind."""
     match asked:
         case DriveGoal():
             return msg.Order(
                 bot=asked.bot,
                 run=run,
+                part=part,
                 verb=DRIVE,
                 number=asked.drive,
                 points=to_points(asked.points),
@@ -111,11 +112,12 @@ def to_order(asked: DriveGoal | CancelDrive | TripGoal | CancelTrip, run: int) -
                 bucket=ANY_LOAD if asked.bucket is None else asked.bucket,
             )
         case CancelDrive():
-            return msg.Order(bot=asked.bot, run=run, verb=CANCEL_DRIVE, number=asked.drive)
+            return msg.Order(bot=asked.bot, run=run, part=part, verb=CANCEL_DRIVE, number=asked.drive)
         case TripGoal():
-            return msg.Order(bot=asked.bot, run=run, verb=TRIP, number=asked.trip.trip, trip=to_ros(asked.trip))
+            trip = to_ros(asked.trip)
+            return msg.Order(bot=asked.bot, run=run, part=part, verb=TRIP, number=asked.trip.trip, trip=trip)
         case CancelTrip():
-            return msg.Order(bot=asked.bot, run=run, verb=CANCEL_TRIP, number=asked.trip)
+            return msg.Order(bot=asked.bot, run=run, part=part, verb=CANCEL_TRIP, number=asked.trip)
 
 
 @from_ros.register
@@ -138,11 +140,17 @@ def _(order: msg.Order) -> DriveGoal | CancelDrive | TripGoal | CancelTrip:
     raise MalformedMessage(f"no order: {order.verb!r}")
 
 
-def to_outcome(result: DriveResult | TripResult, run: int) -> msg.Outcome:
-    """How a bot's drive or trip ended, in a run of the world."""
+def to_outcome(result: DriveResult | TripResult, run: int, part: str = "") -> msg.Outcome:
+    """How a bot's drive or trip ended, in a run of the world; `part` is the process that says so."""
     verb, number = (DRIVE, result.drive) if isinstance(result, DriveResult) else (TRIP, result.trip)
     return msg.Outcome(
-        bot=result.bot, run=run, verb=verb, number=number, code=result.code.value, message=result.message
+        bot=result.bot,
+        run=run,
+        verb=verb,
+        number=number,
+        code=result.code.value,
+        message=result.message,
+        part=part,
     )
 
 
