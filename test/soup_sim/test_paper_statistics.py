@@ -11,12 +11,14 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from world_hands import bucket_at_hand, clear, do, place
 
 from soup_lab.headless import Headless
@@ -235,7 +237,10 @@ def test_the_bound_on_the_word_rate(run: Run) -> None:
     mean_letters = (2 + 2 + 3 + 3) / 4
     bound = 3 / (mean_letters * 0.5 + 3.0)
     assert run.summary["word_rate_bound"] == pytest.approx(bound)
-    assert run.summary["fraction_of_bound"] == pytest.approx(run.summary["words_per_second"] / bound)
+    done = {EventType.TRANSFERRED: 0.5, EventType.WORD_CLEARED: 3.0}
+    events = [event for event in run.counted if event.type in done and run.is_word_station(event.station)]
+    busy = sum(min(done[event.type], event.time - WARMUP_S) for event in events)
+    assert run.summary["fraction_of_bound"] == pytest.approx(busy / (3 * SECONDS))
 
 
 @pytest.mark.parametrize(
@@ -258,15 +263,27 @@ def test_the_bound_for_orders_from_a_file_is_about_the_words_of_that_file(
         assert figures["word_rate_bound"] == pytest.approx(3 / (mean_letters * 1.0 + seconds))
 
 
-def test_a_warehouse_whose_stations_never_wait_reaches_its_bound(tmp_path: Path) -> None:
+def one_station(words: Path, *overrides: str) -> Warehouse:
     """One station, one bot that always stands there with every letter: nothing but the transfers takes time."""
-    (tmp_path / "words.txt").write_text("ant bee")
-    warehouse = load_warehouse(
+    return load_warehouse(
         DEMO,
-        [f"words={tmp_path / 'words.txt'}", "word_stations=1", "bots=1", "colours=[1.0]", "bucket.capacity=10000",
+        [f"words={words}", "word_stations=1", "bots=1", "colours=[1.0]", "bucket.capacity=10000",
          "initial_inventory=1.0", "buckets=1", "bot.grab_s=0.0", "bot.tolerance_m=100.0",
-         "word_station.tolerance_m=100.0", "word_station.clear_s=1.0"],
+         "word_station.tolerance_m=100.0", *overrides],
     )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def never_waits(tmp_path_factory: pytest.TempPathFactory) -> Warehouse:
+    """With long and short words."""
+    words = tmp_path_factory.mktemp("words") / "words.txt"
+    words.write_text("at extraordinary")
+    return one_station(words)
+
+
+def test_a_warehouse_whose_stations_never_wait_reaches_its_bound(tmp_path: Path) -> None:
+    (tmp_path / "words.txt").write_text("ant bee")
+    warehouse = one_station(tmp_path / "words.txt", "word_station.clear_s=1.0")
     world = warehouse.world(1)
     world.handle(m.Grab(0, 0, 0))
     world.advance(0.1)
@@ -275,6 +292,35 @@ def test_a_warehouse_whose_stations_never_wait_reaches_its_bound(tmp_path: Path)
         world.handle(m.Transfer(0, word + 1, 0, (m.TileMove(),) * 3))
         world.advance(world.now + 3 * warehouse.scenario.word_station.transfer_s + 1.0)
     assert world.statistics()["fraction_of_bound"] == pytest.approx(1.0, rel=1e-2)
+
+
+@given(
+    transfer_s=st.floats(0.1, 20.0),
+    clear_s=st.sampled_from([0.0, 0.3, 7.0]),
+    warmup_s=st.floats(0.0, 100.0),
+    picks=st.lists(st.booleans(), min_size=1, max_size=12),
+    ends_after=st.floats(0.0, 10.0),
+)
+@settings(max_examples=50)
+def test_no_choice_of_words_exceeds_the_bound(
+    never_waits: Warehouse, transfer_s: float, clear_s: float, warmup_s: float, picks: list[bool], ends_after: float
+) -> None:
+    """Whether short or long words are picked of a list of both, a station that never waits is at its bound."""
+    scenario = never_waits.scenario
+    station = scenario.word_station.model_copy(update={"transfer_s": transfer_s, "clear_s": clear_s})
+    world = replace(never_waits, scenario=scenario.model_copy(update={"word_station": station})).world(1, warmup_s)
+    world.handle(m.Grab(0, 0, 0))
+    world.advance(0.01)
+    for request, short in enumerate(picks, 1):
+        word = min(world.snapshot().waiting_words, key=lambda word: len(word.tiles) if short else -len(word.tiles))
+        world.handle(m.AssignWord(word.word, 0))
+        world.handle(m.Transfer(0, request, 0, (m.TileMove(),) * len(word.tiles)))
+        world.advance(world.now + len(word.tiles) * transfer_s + clear_s)
+    until = world.now
+    for now in (until, until + ends_after):
+        world.advance(now)
+        assert world.statistics()["fraction_of_bound"] <= 1.0 + 1e-9
+    assert world.statistics()["words_completed"] <= len(picks)
 
 
 # ---- the summary --------------------------------------------------------------------------------------------------

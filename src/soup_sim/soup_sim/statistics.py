@@ -15,7 +15,11 @@ _FREE = BotState.FREE  # looked up once: an enumeration's members are slow to re
 
 
 def word_rate_bound(scenario: Scenario, mean_word_length: float) -> float:
-    """The most words a second that the word stations can build: each moves one tile in `transfer_s` (words/s)."""
+    """The most words a second of mean length that the word stations can build (words/s).
+
+    Each moves one tile in `transfer_s`. A policy that opens short words builds more of them: whether a run is at its
+    bound is a matter of letters, see `Statistics`.
+    """
     station = scenario.word_station
     seconds_per_word = mean_word_length * station.transfer_s + station.clear_s
     return scenario.word_station_count / seconds_per_word if seconds_per_word > 0 else float("inf")
@@ -23,6 +27,10 @@ def word_rate_bound(scenario: Scenario, mean_word_length: float) -> float:
 
 class Statistics:
     """Counts events and integrates states over time.
+
+    `fraction_of_bound` is the share of all word stations' time that went into what was done: letters moved into words,
+    and words cleared away. So it cannot exceed 1, whatever words are chosen. For words of mean length it is their rate
+    over `word_rate_bound`.
 
     Args:
         scenario: The scenario.
@@ -49,6 +57,7 @@ class Statistics:
         self._last_visit = [-1] * len(self._state)
         self._idle = 0.0
         self._idle_since = [now] * len(self._state)
+        self._done_s = 0.0  # what word stations have done, in the time that it takes
         self._busy = [0.0, 0.0]
         self._busy_since = dict.fromkeys(self._busy_since, now)
         self._fill_area, self._fill_since = 0.0, now
@@ -69,6 +78,7 @@ class Statistics:
             if at_words:
                 self._inventory -= 1
                 self._word_transfers += 1
+                self._done_s += min(self._scenario.word_station.transfer_s, event.time - self._start)
                 self._word_visits += visit
             else:
                 self._inventory += 1
@@ -78,6 +88,8 @@ class Statistics:
         elif kind is EventType.WORD_COMPLETED:
             self.words_completed += 1
             self.letters_in_words += event.count
+        elif kind is EventType.WORD_CLEARED:
+            self._done_s += min(self._scenario.word_station.clear_s, event.time - self._start)
         elif kind is EventType.GRABBED:
             self.grabs += 1
             self._last_visit[event.bot] = -1
@@ -147,7 +159,7 @@ class Statistics:
             "letters_in_words": self.letters_in_words,
             "words_per_second": rate,
             "word_rate_bound": self.bound,
-            "fraction_of_bound": rate / self.bound,
+            "fraction_of_bound": self._done_s * per_second / scenario.word_station_count,
             "letters_dispensed": self.letters_dispensed,
             "distance_total_m": distance,
             "distance_mean_m": distance / scenario.bots,
