@@ -38,8 +38,9 @@ DECISIONS = {
     "words": Decision(
         "a waiting word, which is opened",
         ("station",),
-        "`served`: share of its letters that are at the station or come anyway; `in_stock`: minus the letters that are "
-        "not there; `minimal` says nothing",
+        "`served`: share of its letters that are at the station or come anyway, and more for its age; where room in the "
+        "buckets is scarce, the tiles that it leaves room for; `in_stock`: minus the letters that are not there; "
+        "`minimal` says nothing",
     ),
     "letters": Decision("a tile kind, of which a bundle is to come", (), "how many tiles are lacking"),
     "bundles": Decision("the letter station that gets a bundle", ("tile",), "its free places"),

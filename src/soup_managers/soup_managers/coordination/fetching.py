@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from soup_managers.coordination.digging import Digging
+from soup_managers.coordination.digging import Digging, Mask
 from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Purpose, Robot
-from soup_managers.coordination.situation import Situation
+from soup_managers.coordination.situation import Fill, Situation, Want
 from soup_managers.explain import Explain
 from soup_managers.policies.coordinated import Coordinated
+from soup_msgs_py.layout import Ints
 
 TRIES = 8  # buckets that are looked at for a station
 UNREACHABLE_S = 5.0  # how long a bucket is left alone after no way led to it
@@ -32,6 +33,14 @@ class Wanted:
     bucket: int
     station: int
     digs: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Demand:
+    """What a station wants, and which buckets may be fetched for it, shape (buckets,)."""
+
+    needs: Want | Fill
+    allowed: Mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +74,7 @@ class Fetching:
             return []
         short = [(situation.ahead_s(station), station) for station in situation.short_word_stations()]
         short += [(situation.ahead_s(station), station) for station in situation.short_letter_stations()]
-        stations = [station for _, station in sorted(short)][: len(idle)]
-        wanted = self._choose_buckets(stations, idle, now)
+        wanted = self._choose_buckets(self._demands([station for _, station in sorted(short)], len(idle), now), idle)
         fetches = self._choose_bots(wanted, idle, now)
         self._diggers |= {fetch.wanted.station: fetch.robot for fetch in fetches if fetch.wanted.digs}
         return fetches
@@ -116,23 +124,34 @@ class Fetching:
 
     # ---- buckets -------------------------------------------------------------------------------------------
 
-    def _choose_buckets(self, stations: list[int], idle: list[int], now: float) -> list[Wanted]:
+    def _demands(self, stations: list[int], most: int, now: float) -> list[Demand]:
+        """What the first stations want that any free bucket serves: the others must not take the bots from them."""
+        situation, demands = self._situation, []
+        usable = situation.free_buckets & (self._not_before <= now)
+        for station in stations:
+            if len(demands) == most:
+                break
+            if situation.is_word_station(station):
+                needs: Want | Fill = situation.want(station)
+                allowed = usable & (needs.tiles > 0)
+            else:
+                needs = situation.fill(station)
+                allowed = usable & self._has_room(needs.room)
+            if allowed.any():
+                demands.append(Demand(needs, allowed))
+        return demands
+
+    def _choose_buckets(self, demands: list[Demand], idle: list[int]) -> list[Wanted]:
         """A bucket for each station, where there is one."""
         situation, policy = self._situation, self._policy
-        words = [situation.want(station) for station in stations if situation.is_word_station(station)]
+        words = [demand.needs for demand in demands if isinstance(demand.needs, Want)]
         word_scores = iter(policy.buckets.match(situation, words) if words else [])
-        wants = iter(words)
         depths = self._digging.depths()[np.maximum(situation.spot_of, 0)]
         chosen: dict[int, Wanted] = {}
-        for station in stations:
-            if situation.is_word_station(station):
-                allowed = next(wants).tiles > 0
-                scores = next(word_scores)
-            else:
-                fill = situation.fill(station)
-                allowed = fill.room >= situation.horizons.least_room
-                scores = policy.fills.score(situation, fill)
-            scores = np.where(allowed & situation.free_buckets & (self._not_before <= now), scores, 0.0)
+        for demand in demands:
+            needs, station = demand.needs, demand.needs.station
+            scores = next(word_scores) if isinstance(needs, Want) else policy.fills.score(situation, needs)
+            scores = np.where(demand.allowed, scores, 0.0)
             if self._digging.needed:
                 scores = scores * DIG_DISCOUNT**depths
             taken = -1
@@ -146,6 +165,11 @@ class Fetching:
                     break
             self._explain.choice("buckets", taken, scores, station=station)
         return list(chosen.values())
+
+    def _has_room(self, room: Ints) -> Mask:
+        """Which buckets may be filled: those with room enough or, where none has that much, with any."""
+        enough = room >= self._situation.tiles_of(self._situation.horizons.least_room)
+        return enough if enough.any() else room > 0
 
     def _is_reachable(self, bucket: int, idle: list[int]) -> bool:
         """Whether no bot is under a bucket, or an idle one, which can fetch it itself."""

@@ -66,7 +66,7 @@ WAITS_S = 15.0  # a bucket waits no longer for a bundle
 _REACTS_TO = frozenset({EventType.WORD_COMPLETED, EventType.BUNDLE_EMPTIED})
 _WITH_GOALS_AHEAD = _REACTS_TO | {EventType.WORD_ASSIGNED}
 NEARLY_ALL = 0.9  # tasks: some words may only just have been opened
-KEEP_ROOM = 4  # a bucket with less room is done at a letter station
+KEEP_ROOM = 0.25  # share of the capacity: a bucket with less room is done at a letter station
 
 
 class CoordinatedFleet(Manager):
@@ -650,8 +650,7 @@ class CoordinatedFleet(Manager):
         robot.blocked_since = min(robot.blocked_since, now)
         if now - robot.blocked_since > WAITS_S:
             return False
-        room = self.situation.room(robot.bucket)
-        return room > KEEP_ROOM and 4 * room > self.situation.stock.capacity
+        return self.situation.room(robot.bucket) > KEEP_ROOM * self.situation.stock.capacity
 
     def _serve_on(self, robot: Robot, now: float) -> bool:
         scores = self._policy.onward.score(self.situation, robot)

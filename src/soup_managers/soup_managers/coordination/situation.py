@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from soup_managers.coordination.jobs import Jobs
 from soup_managers.coordination.robots import Activity, Purpose, Robot
-from soup_managers.coordination.stock import Stock
+from soup_managers.coordination.stock import Stock, tiles_of
 from soup_managers.view import WarehouseView
 from soup_msgs_py.layout import Floats, Ints, Layout
 
@@ -70,7 +70,8 @@ class Horizons:
         most: Buckets bound for a station at the same time, at most.
         word_least: A word station with fewer is short, whatever they bring.
         letter_least: The same for a letter station.
-        least_room: A bucket with less room is not filled.
+        least_room: A bucket with less room is not filled, while there are others: tiles or, below 1, a share of the
+            capacity of a bucket.
     """
 
     word_s: float = 60.0
@@ -78,7 +79,7 @@ class Horizons:
     most: int = 7
     word_least: int = 3
     letter_least: int = 1
-    least_room: int = 16
+    least_room: float = 0.4
 
 
 class Situation:
@@ -167,6 +168,10 @@ class Situation:
     def room(self, bucket: int) -> int:
         """How many more tiles go into a bucket."""
         return self.stock.capacity - int(self.stock.total[bucket])
+
+    def tiles_of(self, amount: float) -> int:
+        """An amount in tiles: below 1 it is a share of the capacity of a bucket."""
+        return tiles_of(amount, self.stock.capacity)
 
     def changed(self, station: int) -> None:
         """What is bound for a station, or what it needs, is no longer what it was."""

@@ -12,6 +12,11 @@ from soup_managers.view import WarehouseView
 Counts = NDArray[np.signedinteger[Any]]
 
 
+def tiles_of(amount: float, capacity: int) -> int:
+    """An amount in tiles, at least one: below 1 it is a share of the tiles that fit into a bucket, else tiles."""
+    return max(1, round(amount * capacity if amount < 1 else amount))
+
+
 class Stock:
     """Tiles in buckets.
 

@@ -40,24 +40,25 @@ class ServeOn(OnwardChoice):
     """On to the word station with most tiles per second; else, with enough room, to be filled.
 
     Args:
-        least_tiles: Fewer tiles are not worth a visit.
-        least_room: With less room a bucket is not taken to a letter station.
+        least_tiles: Fewer tiles are not worth a visit: tiles or, below 1, a share of the capacity of a bucket.
+        least_room: With less room, counted alike, a bucket is not taken to a letter station.
         overhead_s: What a visit costs besides travel and transfers.
     """
 
-    def __init__(self, least_tiles: int = 8, least_room: int = 16, overhead_s: float = 15.0) -> None:
+    def __init__(self, least_tiles: float = 0.2, least_room: float = 0.4, overhead_s: float = 15.0) -> None:
         self._least_tiles, self._least_room, self._overhead_s = least_tiles, least_room, overhead_s
 
     def score(self, situation: Situation, robot: Robot) -> Floats:
         """Word stations above 1, letter stations below."""
         scores = np.zeros(len(situation.docks))
+        least_tiles, least_room = situation.tiles_of(self._least_tiles), situation.tiles_of(self._least_room)
         for station in situation.short_word_stations():
             tiles = situation.serves(robot.bucket, station)
-            if tiles >= self._least_tiles:
+            if tiles >= least_tiles:
                 travel_s = situation.travel_s(robot.waypoint, station)
                 cost_s = tiles * situation.transfer_s(station) + travel_s + self._overhead_s
                 scores[station] = 1.0 + tiles / cost_s
-        if not scores.any() and situation.room(robot.bucket) >= self._least_room:
+        if not scores.any() and situation.room(robot.bucket) >= least_room:
             for station in situation.short_letter_stations():
                 wait_s = situation.ahead_s(station) + situation.travel_s(robot.waypoint, station)
                 scores[station] = 1.0 / (1.0 + wait_s)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from soup_managers.explain import Explain
+from soup_managers.policies import room
 from soup_managers.view import WarehouseView
 from soup_msgs_py.layout import Floats
 from soup_msgs_py.messages import AssignBundle
@@ -117,12 +118,14 @@ class Ahead(Minimal):
     """As `minimal`, but rare letters are fetched early: what the waiting words will lack comes before any other gap.
 
     Open words come first, then the words that wait, the oldest first: a letter of which there is less than they
-    need together would block a word station later.
+    need together would block a word station later. What no open word lacks comes only while there is room for more.
     """
 
     def choose_kind(self, view: WarehouseView, target: Floats, rng: np.random.Generator) -> int:
         """A kind that open or waiting words lack, else as `minimal`."""
         left = view.stock - view.wanted
+        if left.min() >= 0 and view.room - view.scenario.bundle_size < room.kept(view):
+            return -1
         if left.min() >= 0 and (left - view.on_order).min() < 0:
             for word in view.waiting_words.values():
                 for tile in word.tiles:

@@ -6,10 +6,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from soup_managers.explain import Explain
+from soup_managers.policies import room
 from soup_managers.view import WarehouseView
-from soup_msgs_py.layout import Ints
+from soup_msgs_py.layout import Floats, Ints
 from soup_msgs_py.messages import AssignWord
 
 
@@ -75,30 +77,48 @@ class InStock(WordPolicy):
 class Served(WordPolicy):
     """The word that the buckets at a station, or bound for it, serve best with what its open words leave over.
 
-    The station with the fewest open words gets it. Of equals the oldest word is taken.
+    The station with the fewest open words gets it. Age counts too, so that no word waits for ever. Where the room in
+    the buckets gets scarce, the word is taken that leaves most of it, and none that could not be completed.
+
+    Args:
+        age_weight: What a word's age counts against the share of its letters that are served. A word is as many
+            queues old as words have arrived since, for each word that waits now.
+        patience: So many queues old a word may get before its age counts.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, age_weight: float = 0.5, patience: float = 3.0) -> None:
         """Know no word yet."""
+        self._age_weight, self._patience = age_weight, patience
         self._letters: dict[int, tuple[Ints, Ints]] = {}
 
     def choose(self, view: WarehouseView, stations: Sequence[int], rng: np.random.Generator) -> AssignWord | None:
-        """Largest share of letters that are there or come anyway."""
+        """Largest share of letters that are there or come anyway, and age."""
         station = max(stations, key=view.free_places.__getitem__)
-        spare = np.zeros(view.kinds, np.int64)
-        for tile, count in _spare(view, station).items():
-            spare[tile] = count
-        numbers = np.fromiter(view.waiting_words, np.int64)
         known = self._letters
         self._letters = {n: known.get(n) or _letters(word.tiles) for n, word in view.waiting_words.items()}
+        numbers = np.fromiter(view.waiting_words, np.int64)
         lengths = np.array([len(tiles) for tiles, _ in self._letters.values()])
         tiles = np.concatenate([tiles for tiles, _ in self._letters.values()])
         before = np.concatenate([before for _, before in self._letters.values()])
-        served = np.add.reduceat((spare[tiles] > before).astype(np.int64), np.cumsum(lengths) - lengths)
-        shares = served / lengths
-        best = int(numbers[shares.argmax()])
-        self.explain.choice("words", best, shares, numbers, _spelt(view), station=station)
-        return AssignWord(best, station)
+        starts = np.cumsum(lengths) - lengths
+        spare = np.zeros(view.kinds, np.int64)
+        for tile, count in _spare(view, station).items():
+            spare[tile] = count
+        served = np.add.reduceat((spare[tiles] > before).astype(np.int64), starts)
+        scores = served / lengths + self._age_weight * self._ages(numbers)
+        best = int(scores.argmax())
+        if view.scenario.bundles.kind == "chosen":
+            left = room.left(view, tiles, before, starts)
+            if left[best] < room.kept(view):
+                best, scores = int(left.argmax()), left.astype(np.float64)
+                if left[best] < 0:
+                    return None
+        self.explain.choice("words", int(numbers[best]), scores, numbers, _spelt(view), station=station)
+        return AssignWord(int(numbers[best]), station)
+
+    def _ages(self, numbers: NDArray[np.int64]) -> Floats:
+        """How many queues of words have arrived since each waiting word, beyond the patience."""
+        return np.maximum(0.0, (numbers[-1] - numbers) / len(numbers) - self._patience)
 
 
 def _spelt(view: WarehouseView) -> Callable[[int], str]:
