@@ -38,7 +38,7 @@ DECISIONS = {
     "words": Decision(
         "a waiting word, which is opened",
         ("station",),
-        "`served`: share of its letters that are at the station or come anyway, and more for its age; where room in the "
+        "`served`: share of its letters that are at the station or come anyway, and more for its age; where room in "
         "buckets is scarce, the tiles that it leaves room for; `in_stock`: minus the letters that are not there; "
         "`minimal` says nothing",
     ),
