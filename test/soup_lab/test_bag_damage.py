@@ -21,7 +21,7 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 from recorded_run import BEGIN, DEFINITIONS, QOS, Said, recorded, write_bag
 
-from soup_lab import bag_summary_cli
+from soup_lab import bag_replay_node, bag_summary_cli, headless_cli
 from soup_lab.bag_mcap import MAGIC, MOST_CHUNK, McapFile
 from soup_lab.bag_reader import Bag, open_bag
 from soup_lab.bag_writer import METADATA, BagWriter, Topic
@@ -354,6 +354,8 @@ def test_messages_of_another_version_are_not_read_as_if_they_were_of_this_one(
     monkeypatch.setattr(type(DEFINITIONS), "of", changed)
     write_bag(tmp_path / "bag", said).close()
     monkeypatch.undo()
+    assert bag_replay_node.main([str(tmp_path / "bag")]) == 2
+    assert f"{name}: found soup_msgs/msg/" in capsys.readouterr().err
     status = bag_summary_cli.main([str(tmp_path / "bag")])
     told = capsys.readouterr()
     if is_needed:
@@ -362,3 +364,16 @@ def test_messages_of_another_version_are_not_read_as_if_they_were_of_this_one(
     else:
         assert status == 0
         assert f"{name} is of another version and left out" in " ".join(told.out.split())
+
+
+@pytest.mark.parametrize("name", [topics.SCENARIO, topics.STATE, topics.SNAPSHOT])
+def test_what_if_needs_what_a_world_says_and_tells_what_is_not_there(
+    tmp_path: Path, name: str, capsys: pytest.CaptureFixture[str]
+):
+    for k, keep in enumerate((lambda message: message[0] != name, lambda _: True)):
+        said = [m if m[0] != name or not k else (name, m[1], m[2][:40]) for m in recorded() if keep(m)]
+        write_bag(tmp_path / f"bag{k}", said).close()
+        assert headless_cli.main(["--from-bag", str(tmp_path / f"bag{k}"), "--at", "50"]) == 2
+        err = capsys.readouterr().err
+        assert str(tmp_path) in err
+        assert err.count("\n") == 1

@@ -24,7 +24,7 @@ from soup_lab.bag_reader import Bag, Recorded, open_bag
 from soup_lab.bag_record_node import COMPLETE
 from soup_lab.bag_record_node import NAME as RECORDER
 from soup_lab.bag_record_node import NODE as RECORDER_NODE
-from soup_lab.bag_types import UnknownType, message_class
+from soup_lab.bag_types import UnknownType, is_installed, message_class
 from soup_lab.progress import PLAIN_S, ProgressLine
 from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
@@ -309,10 +309,14 @@ def replay(options: argparse.Namespace) -> None:
 
 
 def _class_of(bag: Bag, name: str) -> type:
+    allowed = "a type that is installed (or --topics without it)"
     try:
-        return message_class(bag.kinds[name])
+        found = message_class(bag.kinds[name])
     except UnknownType as error:
-        raise InputError(bag.folder, name, str(error), "a type that is installed (or --topics without it)") from error
+        raise InputError(bag.folder, name, str(error), allowed) from error
+    if not is_installed(bag.kinds[name], bag.definitions[name]):
+        raise InputError(bag.folder, name, f"{bag.kinds[name]} of another version than what is installed", allowed)
+    return found
 
 
 def find_listeners(live: Live, node: Node, work: Replay) -> None:

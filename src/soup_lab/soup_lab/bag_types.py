@@ -74,7 +74,7 @@ def is_installed(kind: str, definition: str) -> bool:
         installed, hashed = Definitions().of(kind)
     except UnknownType:
         return False
-    return definition == installed or type_hash(kind, definition) == hashed
+    return definition in (installed, "") or type_hash(kind, definition) in (hashed, "")
 
 
 @cache

@@ -12,6 +12,7 @@ from soup_msgs import msg
 from soup_lab.bag_course import Course, read_course
 from soup_lab.bag_reader import Bag
 from soup_lab.bag_summary import summarize
+from soup_lab.bag_types import is_installed
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.figures import known, told
@@ -88,13 +89,19 @@ def take_moment(bag: Bag, at: float, until: float | None) -> Moment:
     first = next(iter(bag.messages([topics.STATE])), None)
     if first is None:
         raise InputError(bag.folder, topics.STATE, "no checkpoint", "a bag of a whole warehouse")
-    begin = _read_state(bag, first[2]).time
+    if not is_installed(bag.kinds[topics.STATE], bag.definitions[topics.STATE]):
+        raise InputError(
+            bag.folder, topics.STATE, "checkpoints of another version", "those of the one that is installed"
+        )
+    begin = _read(bag, topics.STATE, first[2], msg.WorldState).time
     end = bag.simulated(bag.last)
     if not begin <= at < end:
         raise InputError("--at", "", f"{at:g} s", f"{begin:g} to {end:g} s, for which the bag holds checkpoints")
     instant = bag.instant(at)
     found = bag.newest([topics.SCENARIO, topics.STATE], instant)
-    announcement = from_cdr(found[topics.SCENARIO][2], msg.Scenario)
+    if topics.SCENARIO not in found:
+        raise InputError(bag.folder, topics.SCENARIO, f"no message before {at:g} s", "a bag of a whole warehouse")
+    announcement = _read(bag, topics.SCENARIO, found[topics.SCENARIO][2], msg.Scenario)
     scenario, source = announcement.scenario, str(bag.folder)
     warehouse = Warehouse(
         scenario,
@@ -104,16 +111,18 @@ def take_moment(bag: Bag, at: float, until: float | None) -> Moment:
         read_timed_bundles(scenario, source),
     )
     course = read_course(bag, stop=end if until is None else until)
-    return Moment(announcement, warehouse, _read_state(bag, found[topics.STATE][2]), course, source)
+    if course.start is None:
+        raise InputError(bag.folder, topics.SNAPSHOT, "no message", "a bag of a whole warehouse")
+    state = _read(bag, topics.STATE, found[topics.STATE][2], msg.WorldState)
+    return Moment(announcement, warehouse, state, course, source)
 
 
-def _read_state(bag: Bag, cdr: bytes) -> WorldState:
+def _read(bag: Bag, name: str, cdr: bytes, kind: type) -> Any:
     try:
-        return from_cdr(cdr, msg.WorldState)
+        return from_cdr(cdr, kind)
     except MalformedMessage as error:
-        raise InputError(
-            bag.folder, topics.STATE, f"a message that makes no sense ({error})", "a checkpoint"
-        ) from error
+        found = f"a message that makes no sense ({error})"
+        raise InputError(bag.folder, name, found, "what a world says") from error
 
 
 def beside(original: dict[str, Any], other: dict[str, Any], begin: float) -> Table:
