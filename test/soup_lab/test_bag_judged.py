@@ -11,7 +11,7 @@ import pytest
 from rclpy.serialization import serialize_message
 from recorded_run import BEGIN, SPEED, Said, recorded, write_bag
 
-from soup_lab import bag_summary_cli
+from soup_lab import bag_summary, bag_summary_cli
 from soup_lab.bag_course import Course, Sight, read_course
 from soup_lab.bag_judge import Verdict, judge_course
 from soup_lab.bag_reader import Bag, open_bag
@@ -129,3 +129,16 @@ def test_what_another_world_said_meanwhile_is_left_out_of_the_course(tmp_path: P
         course = read_course(bag)
     assert judge_course(course) == Verdict(0, END_S)
     assert course.senseless == {topics.EVENTS: 1}
+
+
+def test_a_bag_tells_how_long_words_took_only_if_it_tells_when_they_were_ordered(folder: Path):
+    with open_bag(folder) as bag:
+        course = read_course(bag)
+    whole = bag_summary.summarize(course)
+    opened = {event.job for event in course.events.values() if event.type is EventType.WORD_ASSIGNED}
+    waits = sum(word.word not in opened for word in course.start.waiting_words) if course.start is not None else 0
+    assert waits and whole["oldest_waiting_word_s"] == pytest.approx(course.last)
+    assert 0.0 < whole["word_time_mean_s"] <= whole["word_time_p95_s"] <= course.last
+    first = min(course.events)
+    later = bag_summary.summarize(replace(course, events={k: v for k, v in course.events.items() if k > first}))
+    assert [later[key] for key in bag_summary.WORD_TIMES] == [None, None, None]

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from soup_lab.compare_statistics import estimate, holm, paired_difference
+from soup_lab.runs import combine
 
 RATES = st.floats(0.0, 10.0).map(lambda rate: round(rate, 6))
 PAIRS = st.lists(st.tuples(RATES, RATES), min_size=2, max_size=12)
@@ -79,3 +80,9 @@ def test_comparisons_taken_together_ask_for_more():
     assert holm([0.04]) == [True]
     assert holm([None, 0.04, None]) == [False, True, False]
     assert holm([]) == []
+
+
+def test_a_figure_that_some_runs_lack_is_the_mean_of_the_others():
+    runs = [{"seed": 1, "violations": 0, "age": 2.0}, {"seed": 2, "violations": 0, "age": None}]
+    assert combine(runs)["age"] == 2.0
+    assert combine([runs[1] | {"seed": 1}, runs[1]])["age"] is None

@@ -54,8 +54,8 @@ class Run:
 
     @property
     def counted(self) -> list[m.Event]:
-        """The events after the warm-up."""
-        return [event for event in self.events if event.time > WARMUP_S]
+        """The events after the warm-up, which is over before all else at its last instant."""
+        return [event for event in self.events if event.time >= WARMUP_S]
 
     def count(self, kind: EventType) -> int:
         return sum(event.type is kind for event in self.counted)
@@ -94,7 +94,13 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Run:
     words.write_text("at on tea set")
     warehouse = load_warehouse(
         DEMO,
-        [f"words={words}", "word_station.clear_s=3.0", "word_station.transfer_s=0.5", "initial_inventory=0.4"],
+        [
+            f"words={words}",
+            "word_station.clear_s=3.0",
+            "word_station.transfer_s=0.5",
+            "initial_inventory=0.4",
+            "orders.visible=15",
+        ],
     )
     world = warehouse.world(3, WARMUP_S)
     events: list[m.Event] = []
@@ -140,6 +146,28 @@ def test_the_total_number_of_letters_in_words_completed(run: Run) -> None:
 def test_the_number_of_letters_dispensed_by_letter_stations(run: Run) -> None:
     moved = [event for event in run.counted if event.type is EventType.TRANSFERRED]
     assert run.summary["letters_dispensed"] == sum(not run.is_word_station(event.station) for event in moved) > 0
+
+
+def test_the_time_of_words_from_their_order_to_their_completion(run: Run) -> None:
+    ordered = {event.job: event.time for event in run.events if event.type is EventType.WORD_ARRIVED}
+    done = [event for event in run.counted if event.type is EventType.WORD_COMPLETED]
+    times = [event.time - ordered.get(event.job, 0.0) for event in done]  # without an event: from the start on
+    assert any(event.job in ordered for event in done)
+    assert run.summary["word_time_mean_s"] == pytest.approx(np.mean(times))
+    assert run.summary["word_time_p95_s"] == pytest.approx(np.percentile(times, 95))
+
+
+def test_the_age_of_the_oldest_word_that_waits(run: Run) -> None:
+    ordered = {event.job: event.time for event in run.events if event.type is EventType.WORD_ARRIVED}
+    opened = {event.job for event in run.events if event.type is EventType.WORD_ASSIGNED}
+    since = [ordered.get(word, 0.0) for word in range(max(ordered) + 1) if word not in opened]
+    assert run.summary["oldest_waiting_word_s"] == pytest.approx(END_S - min(since))
+
+
+def test_without_a_completed_word_there_is_no_time_of_words() -> None:
+    figures = load_warehouse(DEMO).world(1).statistics()
+    assert figures["word_time_mean_s"] is None and figures["word_time_p95_s"] is None
+    assert figures["oldest_waiting_word_s"] == 0.0
 
 
 def test_total_and_average_distances_driven_by_bots(run: Run) -> None:

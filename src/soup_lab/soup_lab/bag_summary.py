@@ -23,6 +23,7 @@ MEASURED = (
     "wall_seconds", "real_time_factor", "distance_total_m", "distance_mean_m", "bot_idle_fraction",
     "word_station_idle_fraction", "letter_station_idle_fraction", "latency_s",
 )  # fmt: skip
+WORD_TIMES = ("word_time_mean_s", "word_time_p95_s", "oldest_waiting_word_s")
 
 
 def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | None = None) -> dict[str, Any]:
@@ -44,6 +45,7 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
     inventory -= sum(_change(event, scenario.word_station_count) for event in events if event.sequence <= known)
     figures = Statistics(scenario, 1.0, inventory)
     figures.bound = course.bound or math.inf
+    figures.ordered(_words_at_start(course, events), 0.0)
     nowhere = np.zeros(scenario.bots)
     begun = warmup <= 0.0
     for event in events:
@@ -59,6 +61,7 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
     stations = scenario.word_station_count, scenario.letter_station_count
     busy = _busy(events, course, warmup)
     values |= {
+        **({} if _is_whole(course, events) else dict.fromkeys(WORD_TIMES)),
         "bot_idle_fraction": idle,
         "word_station_idle_fraction": _idle(busy[0], stations[0], seconds),
         "letter_station_idle_fraction": _idle(busy[1], stations[1], seconds),
@@ -71,6 +74,20 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
     policies = policies_of(course.parts)
     verdict = verdict or judge_course(course)
     return make_summary(values, scenario, policies, announcement.seed, verdict.violations)
+
+
+def _is_whole(course: Course, events: list[Event]) -> bool:
+    """Whether a bag holds all that happened from the start of the run on, so that it tells when words were ordered."""
+    assert course.start is not None
+    return not course.missing and (events[0].sequence == 1 if events else course.start.sequence == 0)
+
+
+def _words_at_start(course: Course, events: list[Event]) -> list[int]:
+    """The words that were on order when the run began: those that are there, or are opened, without having arrived."""
+    assert course.start is not None
+    arrived = {event.job for event in events if event.type is EventType.WORD_ARRIVED}
+    opened = {event.job for event in events if event.type is EventType.WORD_ASSIGNED}
+    return sorted(opened.union(word.word for word in course.start.waiting_words) - arrived)
 
 
 def _change(event: Event, word_stations: int) -> int:

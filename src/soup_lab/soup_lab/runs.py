@@ -120,12 +120,13 @@ def combine(summaries: list[Summary]) -> Summary:
         A summary of means; `interval_95` holds the half widths, `replications` the single summaries.
     """
     summaries = sorted(summaries, key=lambda summary: summary["seed"])
-    first, n = summaries[0], len(summaries)
+    first = summaries[0]
     means: Summary = {}
     widths: dict[str, float] = {}
     for key, value in first.items():
-        if isinstance(value, (int, float)) and key not in ("seed", "violations"):
-            values = [float(summary[key]) for summary in summaries]
+        values = [float(summary[key]) for summary in summaries if isinstance(summary[key], (int, float))]
+        if values and key not in ("seed", "violations"):
+            n = len(values)  # a figure may have no value in some
             mean = sum(values) / n
             means[key] = mean
             spread = (sum((v - mean) ** 2 for v in values) / (n - 1)) ** 0.5 if n > 1 else 0.0

@@ -38,6 +38,13 @@ FIGURES = {
         "bound of the word rate", "words/s", "what the word stations could do if letters were always at hand"
     ),
     "fraction_of_bound": Figure("share of the bound", SHARE, "word rate over its bound"),
+    "word_time_mean_s": Figure(
+        "time of a word, mean", "s", "from its order to its completion, of the words completed after the warm-up"
+    ),
+    "word_time_p95_s": Figure("time of a word, 95 %", "s", "what 95 % of these words do not exceed"),
+    "oldest_waiting_word_s": Figure(
+        "oldest waiting word", "s", "since the order of the oldest word that no station has opened yet, at the end"
+    ),
     "letters_dispensed": Figure("letters dispensed", "", "tiles that letter stations put into buckets"),
     "distance_total_m": Figure("distance, all bots", "m", "driven by all bots together"),
     "distance_mean_m": Figure("distance, mean bot", "m", "driven by one bot on average"),

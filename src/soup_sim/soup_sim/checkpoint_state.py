@@ -29,6 +29,8 @@ from soup_sim.checkpoint_parts import (
 )
 from soup_sim.world import World
 
+OF_BOTS = ("_state", "_idle_since", "_last_visit", "_driven_start")  # the figures that each bot has
+
 
 class Books(Part):
     """What the record of a run needs to go on, besides the world.
@@ -79,15 +81,13 @@ class WorldState(Part):
     @classmethod
     def _are_figures(cls, figures: dict[str, Any], info: ValidationInfo) -> dict[str, Any]:
         """Numbers, by the names that the world has for them."""
-        held = frame(info)
-        own = held.own["statistics"]
+        own = frame(info).own["statistics"]
         if figures.keys() != own.keys():
             raise ValueError(f"figures {sorted(figures.keys() ^ own.keys())}"[:80])
         for key, value in figures.items():
-            of_bots = isinstance(own[key], list) and len(own[key]) == held.world.scenario.bots
             if isinstance(value, list) != isinstance(own[key], list):
                 raise ValueError(f"{key}: no number, or no list of them")
-            if of_bots:
+            if key in OF_BOTS:
                 as_many(value, own[key], key)
             if not are_numbers(value):
                 raise ValueError(f"{key}: no number")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from soup_msgs_py.messages import Event, Floats
 from soup_msgs_py.scenario import Scenario
 
 _GIVEN = ("_scenario", "bound", "_capacity")  # what comes from the scenario, and no checkpoint needs
+_BY_NUMBER = ("_busy_since", "_waiting", "_open")  # what a checkpoint holds as pairs
 _FREE = BotState.FREE  # looked up once: an enumeration's members are slow to reach
 
 
@@ -46,6 +48,8 @@ class Statistics:
         self._state = [BotState.FREE] * scenario.bots
         self._idle_since = [0.0] * scenario.bots
         self._busy_since: dict[int, float] = {}
+        self._waiting: dict[int, float] = {}  # when each word was ordered that no station has yet, the oldest first
+        self._open: dict[int, float] = {}  # the same of those that stations work on
         self._begin(0.0, np.zeros(scenario.bots))
 
     def _begin(self, now: float, driven: Floats) -> None:
@@ -55,6 +59,7 @@ class Statistics:
         self.grabs = self.releases = self.bot_collisions = self.bucket_collisions = 0
         self._word_transfers = self._letter_transfers = self._word_visits = self._letter_visits = 0
         self._last_visit = [-1] * len(self._state)
+        self._word_times: list[float] = []
         self._idle = 0.0
         self._idle_since = [now] * len(self._state)
         self._done_s = 0.0  # what word stations have done, in the time that it takes
@@ -62,6 +67,10 @@ class Statistics:
         self._busy_since = dict.fromkeys(self._busy_since, now)
         self._fill_area, self._fill_since = 0.0, now
         self._inventory_start = self._inventory
+
+    def ordered(self, words: Iterable[int], now: float) -> None:
+        """Words have been ordered without an event: those at the start of a run."""
+        self._waiting.update(dict.fromkeys(words, now))
 
     def begin_window(self, now: float, driven: Floats) -> None:
         """Forget what the warm-up counted; `driven` is each bot's odometer now (m)."""
@@ -88,6 +97,8 @@ class Statistics:
         elif kind is EventType.WORD_COMPLETED:
             self.words_completed += 1
             self.letters_in_words += event.count
+            if event.job in self._open:
+                self._word_times.append(event.time - self._open.pop(event.job))
         elif kind is EventType.WORD_CLEARED:
             self._done_s += min(self._scenario.word_station.clear_s, event.time - self._start)
         elif kind is EventType.GRABBED:
@@ -100,6 +111,10 @@ class Statistics:
             self.bot_collisions += 1
         elif kind is EventType.BUCKET_COLLISION:
             self.bucket_collisions += 1
+        elif kind is EventType.WORD_ARRIVED:
+            self._waiting[event.job] = event.time
+        elif kind is EventType.WORD_ASSIGNED and event.job in self._waiting:
+            self._open[event.job] = self._waiting.pop(event.job)
 
     def bot_state(self, bot: int, state: BotState, now: float) -> None:
         """A bot's body does something else from now on."""
@@ -125,7 +140,8 @@ class Statistics:
         state = {key: value for key, value in vars(self).items() if key not in _GIVEN}
         state["_driven_start"] = self._driven_start.tolist()
         state["_state"] = [int(value) for value in self._state]
-        state["_busy_since"] = sorted(self._busy_since.items())
+        for key in _BY_NUMBER:
+            state[key] = list(state[key].items())
         return state
 
     def restore(self, state: dict[str, Any]) -> None:
@@ -133,14 +149,15 @@ class Statistics:
         vars(self).update({key: list(value) if isinstance(value, list) else value for key, value in state.items()})
         self._driven_start = np.array(state["_driven_start"])
         self._state = [BotState(value) for value in state["_state"]]
-        self._busy_since = dict(map(tuple, state["_busy_since"]))
+        for key in _BY_NUMBER:
+            setattr(self, key, dict(map(tuple, state[key])))
 
     def _fill(self, now: float) -> None:
         self._fill_area += self._inventory * (now - self._fill_since)
         self._fill_since = now
 
-    def figures(self, now: float, driven: Floats) -> dict[str, float | int]:
-        """All figures at simulated time `now`; `driven` is each bot's odometer (m)."""
+    def figures(self, now: float, driven: Floats) -> dict[str, Any]:
+        """All figures at simulated time `now`, None for those without a value; `driven` is each bot's odometer (m)."""
         scenario = self._scenario
         seconds = now - self._start
         per_second = 1.0 / seconds if seconds > 0 else 0.0
@@ -160,6 +177,9 @@ class Statistics:
             "words_per_second": rate,
             "word_rate_bound": self.bound,
             "fraction_of_bound": self._done_s * per_second / scenario.word_station_count,
+            "word_time_mean_s": sum(self._word_times) / len(self._word_times) if self._word_times else None,
+            "word_time_p95_s": float(np.percentile(self._word_times, 95)) if self._word_times else None,
+            "oldest_waiting_word_s": now - next(iter(self._waiting.values()), now),
             "letters_dispensed": self.letters_dispensed,
             "distance_total_m": distance,
             "distance_mean_m": distance / scenario.bots,

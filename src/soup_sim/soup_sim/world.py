@@ -91,6 +91,7 @@ class World:
             warmed_up=self.count_anew,
         )
         self._waiting_words.update((word.word, word) for word in self._orders.at_start())
+        self._statistics.ordered(self._waiting_words, self.now)
         self._waiting_bundles.update((bundle.bundle, bundle) for bundle in self._supply.at_start())
         self._await_word()
         self._await_bundle()
@@ -275,7 +276,7 @@ class World:
         """Have the figures cover what comes from now on."""
         self._statistics.begin_window(self.now, self._bodies.driven(self.now))
 
-    def statistics(self, wall_seconds: float = 0.0) -> dict[str, float | int]:
+    def statistics(self, wall_seconds: float = 0.0) -> dict[str, Any]:
         """The figures of the run so far, with the keys of a summary."""
         figures = self._statistics.figures(self.now, self._bodies.driven(self.now))
         figures["wall_seconds"] = wall_seconds
