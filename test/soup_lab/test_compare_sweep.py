@@ -17,7 +17,7 @@ import pytest
 import yaml
 from distributed import LocalCluster
 
-from soup_lab import compare_runs
+from soup_lab import pool
 from soup_lab.compare_cli import main
 from soup_lab.compare_experiment import load_experiment
 from soup_lab.compare_runs import OtherCodeError, attempt, jobs, run_local
@@ -275,14 +275,14 @@ def test_a_process_that_is_killed_is_told_and_what_was_done_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     path = written(tmp_path, duration_s=20_000, seeds=[1])
-    real = compare_runs.ProcessPoolExecutor
+    real = pool.ProcessPoolExecutor
 
     def doomed(*arguments: Any, **options: Any) -> Any:
-        pool = real(*arguments, **options)
-        pool.submit(os._exit, 9)
-        return pool
+        executor = real(*arguments, **options)
+        executor.submit(os._exit, 9)
+        return executor
 
-    monkeypatch.setattr(compare_runs, "ProcessPoolExecutor", doomed)
+    monkeypatch.setattr(pool, "ProcessPoolExecutor", doomed)
     assert main([str(path), "--out", str(tmp_path / "out")]) == 1
     assert capsys.readouterr().err.endswith(f"; the same command goes on with what is in {tmp_path / 'out'}\n")
 

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
 import traceback
 from collections.abc import Generator
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 
 from soup_lab.compare_experiment import Case, Experiment
 from soup_lab.compare_identity import code_digest, run_digest
-from soup_lab.part import end_with
+from soup_lab.pool import share_out
 from soup_lab.runs import RunPlan, Summary, run_once
 from soup_msgs_py.errors import InputError, RunError
 
@@ -75,31 +70,10 @@ def run_local(todo: list[Job], processes: int | None = None) -> Generator[Outcom
     """
     if not todo:
         return
-    spawn = multiprocessing.get_context("spawn")
-    workers = min(processes or len(os.sched_getaffinity(0)), len(todo))
-    with ProcessPoolExecutor(workers, mp_context=spawn, initializer=_follow_the_starter) as pool:
-        code = code_digest()
-        try:
-            # Ctrl-C in the middle of a start would leave a process that nobody knows
-            mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-            try:
-                futures = {pool.submit(attempt, job.case.plan, job.seed, code): job for job in todo}
-            finally:
-                signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-            for future in as_completed(futures):
-                yield futures[future], future.result()
-        except BaseException as error:
-            # `shutdown` forgets them
-            workers_now, calls = list((pool._processes or {}).values()), getattr(pool, "_call_queue", None)
-            pool.shutdown(wait=False, cancel_futures=True)
-            for process in workers_now:
-                process.terminate()
-            if calls is not None and not isinstance(error, BrokenProcessPool):
-                # who hands over a job larger than a pipe would wait for ever for its dead reader (CPython gh-94777)
-                calls._reader.close()
-            if isinstance(error, BrokenProcessPool):
-                raise RunError("a process of the sweep was killed, perhaps for want of memory") from error
-            raise
+    code = code_digest()
+    tasks = [(job.case.plan, job.seed, code) for job in todo]
+    for k, outcome in share_out(attempt, tasks, processes, prepare=code_digest):  # notes at once which code it is
+        yield todo[k], outcome
 
 
 def run_on_dask(todo: list[Job], address: str) -> Generator[Outcome]:
@@ -157,12 +131,3 @@ def attempt(plan: RunPlan, seed: int, code: str) -> Summary | Failure:
         text = " ".join(str(error).split())
         reason = text if isinstance(error, (InputError, RunError)) else f"{type(error).__name__}: {text}"
         return Failure(reason, traceback.format_exc())
-
-
-def _follow_the_starter() -> None:
-    """Leave Ctrl-C to the starter, end with it even when it is killed, and note at once which code this is."""
-    code_digest()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    starter = multiprocessing.parent_process()
-    if starter is not None and starter.pid is not None:
-        end_with(starter.pid, signal.SIGKILL)

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from typing import Any
 
 from scipy.stats import t as student
 
 from soup_lab.headless import Headless
+from soup_lab.pool import share_out
 from soup_managers.explain import write_lines
 from soup_msgs_py.messages import Event
 from soup_msgs_py.output_files import Lines
@@ -98,19 +96,8 @@ def run_many(plan: RunPlan, seeds: list[int], processes: int | None = None) -> I
         seeds: One a run.
         processes: How many at once; without: one a core.
     """
-    spawn = multiprocessing.get_context("spawn")
-    workers = min(processes or len(os.sched_getaffinity(0)), len(seeds))
-    with ProcessPoolExecutor(workers, mp_context=spawn) as pool:
-        waiting = {pool.submit(run_once, plan, seed) for seed in seeds}
-        try:
-            while waiting:
-                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                for future in done:
-                    yield future.result()
-        except BaseException:
-            for process in list(pool._processes.values()):
-                process.terminate()
-            raise
+    for _, summary in share_out(run_once, [(plan, seed) for seed in seeds], processes):
+        yield summary
 
 
 def combine(summaries: list[Summary]) -> Summary:

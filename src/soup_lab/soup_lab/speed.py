@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import multiprocessing
 import resource
 import time
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 from soup_lab.headless import Headless
+from soup_lab.pool import share_out
 from soup_msgs_py.policies import Policies
 from soup_sim.setup import Warehouse, load_warehouse
 
@@ -64,8 +63,8 @@ def _timed(warehouse: Warehouse, policies: Policies, seconds: float) -> tuple[fl
 
 def measure_apart(*arguments: object) -> Measured:
     """The same in a process of its own, so that memory is that of one run."""
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        return pool.submit(measure, *arguments).result()  # type: ignore[arg-type]
+    [(_, measured)] = share_out(measure, [arguments])
+    return measured
 
 
 def at_constant_density(bots: int) -> tuple[str, ...]:
