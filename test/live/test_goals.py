@@ -22,7 +22,7 @@ class Bot:
 
     def __init__(self, live: Live, *, works: bool) -> None:
         self.asked = 0
-        self._works = works
+        self._live, self._works = live, works
         self.node = live.node("bot_7", "/bot_7")
         self.status = self.node.create_publisher(msg.BotStatus, "status", LATCHED)
         self.server = GoalServer(
@@ -36,8 +36,7 @@ class Bot:
 
     def leave(self) -> None:
         """Leave the graph."""
-        self.server.destroy()
-        self.node.destroy_publisher(self.status)
+        self._live.leave(self.node)
 
 
 class Asker:

@@ -326,7 +326,7 @@ def record(options: argparse.Namespace) -> None:
     stay_on_this_machine()
     console = Console()
     try:
-        with Live(NAME) as live:
+        with Live(NAME, ends_soon=False) as live:
             recorder = Recorder(live, writer, wanted, limits)
             show = Progress(console, writer, recorder)
             live.every(TELL_S, show)

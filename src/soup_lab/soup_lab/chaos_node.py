@@ -249,7 +249,7 @@ def run(options: argparse.Namespace, scripts: Path) -> int:
         if getattr(options, name) is not None:
             command += [f"--{name.replace('_', '-')}", str(getattr(options, name))]
     stay_on_this_machine(QUARTERS + 8)
-    with tempfile.TemporaryDirectory() as folder, Live("chaos") as live:
+    with tempfile.TemporaryDirectory() as folder, Live("chaos", ends_soon=False) as live:
         summary = Path(folder) / "summary.json"
         policies = Path(folder) / "others.yaml"
         policies.write_text(OTHER_POLICIES, encoding="utf-8")

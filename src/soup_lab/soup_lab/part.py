@@ -11,6 +11,8 @@ import sys
 import traceback
 from pathlib import Path
 
+from soup_lab.guardian import be_guarded
+
 PR_SET_PDEATHSIG = 1
 PR_SET_NAME = 15
 
@@ -33,6 +35,7 @@ def become(name: str, module: str, arguments: tuple[str, ...], errors: Path, env
         environment: Its environment variables.
     """
     os.setsid()  # a Ctrl-C reaches only the starter
+    be_guarded()
     end_with(os.getppid(), signal.SIGTERM)
     starter = multiprocessing.parent_process()
     if starter is None or not starter.is_alive():

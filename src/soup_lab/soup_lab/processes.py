@@ -11,11 +11,10 @@ from multiprocessing import forkserver
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 
+from soup_lab.guardian import GRACE_S, LOOK_S
 from soup_lab.part import become
-from soup_msgs_py.live.process import Lateness
+from soup_msgs_py.live.ending import Lateness
 
-GRACE_S = 2.8  # to end in order; then killed. Parts give up by themselves before
-LOOK_S = 0.05
 LAST_BYTES = 4096
 
 

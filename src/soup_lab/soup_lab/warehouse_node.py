@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     groups = bot_groups(bots, options.bot_processes)
     stay_on_this_machine(len(groups) + OTHERS)
     console = Console()
-    with Live("warehouse") as live, ExitStack() as files:
+    with Live("warehouse", ends_soon=False) as live, ExitStack() as files:
         node = live.node("warehouse")
         refuse_second_world(live, node)
         if live.stopping:

@@ -10,10 +10,8 @@ import multiprocessing
 import os
 import signal
 import sys
-import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -28,11 +26,10 @@ from rclpy.subscription import Subscription
 from soup_msgs_py.display import display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain_id import domain_id
+from soup_msgs_py.live.ending import Ending, disarm
 from soup_msgs_py.wire import MalformedMessage, from_ros, read_cdr
 
 LONGEST_WAIT_S = 0.1  # between two looks at the signals
-LONGEST_END_S = 2.5  # then the process ends without having taken leave; a busy machine gets more
-LONGEST_WALL = 4.0  # times as long, whatever the machine does meanwhile
 STILL_S = 10.0  # a process that was stopped for so long has been given up by the others
 TOLD_MS = 100  # wall time (ms) in which a process that was stopped is told that it goes on
 LEAVES = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -50,13 +47,15 @@ class Live:
         told: What it has last told the person who started it; its reports say that, too.
     """
 
-    def __init__(self, name: str, *, starts_again: bool = False) -> None:
+    def __init__(self, name: str, *, starts_again: bool = False, ends_soon: bool = True) -> None:
         """Join the ROS graph.
 
         Args:
             name: For messages to a person.
             starts_again: Whether to end with `StoodStill` after the process was stopped for a while. The others have
                 given it up by then, and it would hear no more of them.
+            ends_soon: Whether the process has to be gone soon after it was told to end, whatever a callback does then.
+                Not for who has to end others first, or has much to put on disk.
 
         Raises:
             InputError: The environment names a domain that there is not.
@@ -75,6 +74,8 @@ class Live:
         self._nodes: list[Node] = []
         self._periodic: list[_Periodic] = []
         self._farewells: list[Callable[[], None]] = []
+        self._ends_soon = ends_soon
+        self._ending = Ending(name, lambda: 1 if self._error else 0)
         self._handlers = {number: signal.signal(number, self._on_signal) for number in LEAVES}
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._executor = EventsExecutor()
@@ -138,10 +139,16 @@ class Live:
         return False
 
     def leave(self, node: Node) -> None:
-        """Take a node out of the graph, though the process goes on."""
+        """Take a node out of the graph, though the process goes on.
+
+        rclpy leaves waitables to their owners: each would keep the node alive, and with the last one the process's
+        place in DDS, until static destructors run.
+        """
         self._nodes.remove(node)
         self._executor.remove_node(node)
         node.destroy_node()
+        for waitable in reversed(list(node.waitables)):  # what listens to a subscription before the subscription
+            waitable.destroy()
 
     def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap a callback: an exception ends the process in order instead of inside the executor."""
@@ -250,29 +257,22 @@ class Live:
         self._stopping = True
         if not rclpy.ok():
             return
-        gone = threading.Event()
-        threading.Thread(target=self._end_at_last, args=(gone,), daemon=True).start()
+        self._ending.leaves()
         for farewell in self._farewells:
             farewell()
-        for node in self._nodes:
-            self._executor.remove_node(node)
-            node.destroy_node()
+        while self._nodes:
+            self.leave(self._nodes[0])
         self._executor.shutdown()
         rclpy.try_shutdown()
-        gone.set()
+        self._ending.left()
         for number, handler in self._handlers.items():
             signal.signal(number, handler)
-
-    def _end_at_last(self, gone: threading.Event) -> None:
-        late = Lateness()
-        while late.seconds() < LONGEST_END_S:
-            if gone.wait(LONGEST_WAIT_S):
-                return
-        os._exit(1 if self._error else 0)
 
     def _on_signal(self, number: int, _frame: object) -> None:
         self.ended_by = number
         self._stopping = True
+        if self._ends_soon:
+            self._ending.told()
 
 
 class StoodStill(RunError):
@@ -313,31 +313,6 @@ class Stillness:
         self._continued = True
 
 
-class Lateness:
-    """How long ago something began, without the time that the machine took from a process.
-
-    Args:
-        process: Its number; without: this process.
-    """
-
-    def __init__(self, process: int | None = None) -> None:
-        """Begin now."""
-        self._file = Path(f"/proc/{'self' if process is None else process}/schedstat")
-        self._began = time.monotonic()
-        self._queued_s = self._queued()
-
-    def seconds(self) -> float:
-        """Wall time since then in which the process ran or slept, not those in which it waited for a processor."""
-        wall = time.monotonic() - self._began
-        return max(wall / LONGEST_WALL, wall - (self._queued() - self._queued_s))
-
-    def _queued(self) -> float:
-        try:
-            return int(self._file.read_text().split()[1]) * 1e-9
-        except (OSError, ValueError, IndexError):  # a machine that does not tell, or the process has ended
-            return 0.0
-
-
 class _Periodic:
     def __init__(self, period_s: float, function: Callable[..., Any]) -> None:
         self.period_s = period_s
@@ -363,6 +338,7 @@ def exit_status(main: Callable[[], int | None]) -> int:
     except StoodStill as error:
         print(error, file=sys.stderr, flush=True)
         if multiprocessing.parent_process() is None:
+            disarm()
             os.execv(sys.executable, sys.orig_argv)
         return 1  # whoever started it starts it again
     except RunError as error:

@@ -90,6 +90,10 @@ class RawSubscription(Waitable):
         self.take_data()
         self._hand_over()
 
+    def destroy(self) -> None:
+        """Stop listening."""
+        self._handle.destroy_when_not_in_use()
+
     def _hand_over(self) -> None:
         while self._waiting:
             cdr, info = self._waiting.popleft()

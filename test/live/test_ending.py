@@ -1,0 +1,70 @@
+"""A part that is told to end, or has lost its starter, is gone within seconds, whatever holds it."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+
+import pytest
+from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.qos import QoSProfile
+from soup_msgs import action
+from std_msgs.msg import String
+
+from soup_msgs_py.live.actions import GoalClient, GoalServer
+from soup_msgs_py.live.process import Live
+from soup_msgs_py.live.raw import RawSubscription
+
+from .conftest import Parts, wait_until
+
+pytestmark = [pytest.mark.live, pytest.mark.timeout(120)]
+HERE = Path(__file__).parent
+
+
+BY_THE_KERNEL = {-signal.SIGPROF, -signal.SIGALRM}  # the latter on a machine that has no time for who spins
+
+
+@pytest.mark.parametrize(
+    ("where", "statuses"), [("static destructors", BY_THE_KERNEL), ("farewell", BY_THE_KERNEL), ("callback", {1})]
+)
+def test_a_part_that_spins_is_gone_soon_after_it_was_told_to_end(
+    parts: Parts, tmp_path: Path, where: str, statuses: set[int]
+):
+    ready = tmp_path / "ready"
+    part = parts.run_file(HERE / "spinning_part.py", where, str(ready))
+    wait_until(lambda: ready.exists() or part.poll() is not None, "the part is at work")
+    parts.interrupt(part, signal.SIGTERM)
+    assert part.returncode in statuses
+
+
+@pytest.mark.parametrize("where", ["static destructors", "native callback"])
+def test_a_part_that_spins_does_not_outlive_a_starter_that_was_killed(parts: Parts, tmp_path: Path, where: str):
+    ready = tmp_path / "ready"
+    starter = parts.run_file(HERE / "spinner_starter.py", where, str(ready))
+    wait_until(lambda: ready.exists() or starter.poll() is not None, "the part is at work")
+    starter.kill()
+    assert parts.all_gone()
+
+
+def threads_of_dds() -> list[str]:
+    """What listens for a participant of this process."""
+    names = [(task / "comm").read_text().strip() for task in Path("/proc/self/task").iterdir()]
+    return [name for name in names if name.startswith("dds.udp")]
+
+
+def test_who_has_left_the_graph_has_left_dds(domain: str):
+    assert domain
+    with Live("test") as live:
+        node = live.node("test")
+        everything = [
+            GoalServer(live, node, action.Drive, "drive", accept=print, cancel=print, check=print),
+            GoalClient(live, node, action.Drive, "drive"),
+            live.subscribe(node, String, "words", print, QoSProfile(depth=1)),
+            RawSubscription(
+                live, node, String, "words", print, QoSProfile(depth=1), SubscriptionEventCallbacks(matched=print)
+            ),
+        ]
+        live.spin(timeout_s=0.5)
+        assert threads_of_dds()
+    assert not threads_of_dds()
+    assert everything  # even where somebody keeps it
