@@ -136,16 +136,29 @@ def test_a_run_with_a_damaged_chunk_is_summed_up_without_it_and_not_judged(
     assert "events are missing" in " ".join(told.out.split())
 
 
-def test_of_a_bag_that_was_cut_off_what_lies_behind_a_damaged_chunk_is_kept(folder: Path):
+def test_of_a_bag_that_was_cut_off_what_lies_behind_a_damaged_chunk_is_kept(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+):
     file = file_of(folder)
     turn(file, middle_of_chunk(file, 2))
     (folder / METADATA).unlink()
     file.write_bytes(file.read_bytes()[: middle_of_chunk(file, -1)])
+    as_it_was = file.read_bytes()
     with open_bag(folder) as bag:
         read = said_in(bag)
     truth = recorded()
     assert read == sorted([*truth[:200], *truth[300 : len(read) + 100]], key=lambda message: message[1])
     assert len(read) > 600
+    assert (folder / "bag_0.mcap.damaged").read_bytes() == as_it_was
+    assert "; what was damaged is kept as bag_0.mcap.damaged" in capsys.readouterr().err
+
+
+def test_a_file_of_which_nothing_can_be_read_stays_as_it_is(folder: Path):
+    (folder / METADATA).unlink()
+    file_of(folder).write_bytes(content := random.Random(18).randbytes(20_000))
+    with pytest.raises(InputError, match="no readable message"):
+        open_bag(folder)
+    assert [file.read_bytes() for file in folder.iterdir()] == [content]
 
 
 def test_that_a_bag_has_no_checksums_is_told(folder: Path):

@@ -1,4 +1,7 @@
-"""Makes a bag whole whose recorder was killed, or ran out of disk: everything that can be read stays."""
+"""Makes a bag whole whose recorder was killed, or ran out of disk: everything that can be read stays.
+
+A file that is more than cut short, damaged before its end, is kept beside the new one: others may read more of it.
+"""
 
 from __future__ import annotations
 
@@ -18,6 +21,7 @@ from soup_lab.bag_writer import METADATA, QOS_KEY, SUFFIX, BagFile, BagWriter, T
 from soup_msgs_py.errors import InputError
 
 HALF = ".repair"  # where a file is written anew
+DAMAGED = ".damaged"  # what the name of a file that is kept ends with
 _NO_TIME = QosTime(0, 0)
 _UNKNOWN_QOS = Qos(
     QosHistory.UNKNOWN, 0, QosReliability.RELIABLE, QosDurability.VOLATILE, _NO_TIME, _NO_TIME,
@@ -27,16 +31,17 @@ _UNKNOWN_QOS = Qos(
 
 @dataclass(frozen=True)
 class Repair:
-    """What a repair found: messages kept, bytes that could not be read, when the last message came (ns)."""
+    """What a repair found: messages kept, bytes that could not be read, names of files that were damaged and are kept."""
 
     messages: int
     bytes_lost: int
-    last: int
+    damaged: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """One sentence for a person."""
         lost = f"{self.bytes_lost:,} bytes could not be read" if self.bytes_lost else "nothing was unreadable"
-        return f"was cut off and is repaired: {self.messages:,} messages; {lost}"
+        kept = f"; what was damaged is kept as {', '.join(self.damaged)}" if self.damaged else ""
+        return f"was cut off and is repaired: {self.messages:,} messages; {lost}{kept}"
 
 
 def is_cut_off(folder: Path) -> bool:
@@ -75,26 +80,31 @@ def _mend(folder: Path) -> tuple[list[Topic], list[BagFile], Repair]:
     files = _files_of(folder)
     if not files:
         raise InputError(folder, "", f"no {SUFFIX} file", "a rosbag2 bag (MCAP)")
+    if not any(map(_holds_messages, files)):
+        raise InputError(folder, "", "no readable message", "a rosbag2 bag (MCAP)")
     topics: list[Topic] = []
     kept: list[BagFile] = []
+    damaged: list[str] = []
     lost = 0
     half = folder / HALF
     _remove_left_over(folder)
     for file in files:
         mended = BagWriter.create(half)
         try:
-            lost += _salvage(file, mended, topics)
+            bytes_lost, is_damaged = _salvage(file, mended, topics)
+            lost += bytes_lost
             mended.close()
             written = mended.files[0]
+            if is_damaged:
+                damaged.append(file.name + DAMAGED)
+                file.replace(folder / damaged[-1])
             (half / written.path).replace(file)
         finally:
             mended.abandon()
             _remove_left_over(folder)
         kept.append(BagFile(file.name, written.first, written.last, written.count))
-    if not any(file.count for file in kept):
-        raise InputError(folder, "", "no readable message", "a rosbag2 bag (MCAP)")
     (folder / METADATA).unlink(missing_ok=True)  # it knows nothing of what is to come
-    return topics, kept, Repair(sum(file.count for file in kept), lost, max(file.last for file in kept))
+    return topics, kept, Repair(sum(file.count for file in kept), lost, tuple(damaged))
 
 
 def _remove_left_over(folder: Path) -> None:
@@ -117,8 +127,18 @@ def _files_of(folder: Path) -> list[Path]:
     return sorted((f for f in folder.glob(f"*{SUFFIX}") if not f.name.startswith(".")), key=number)
 
 
-def _salvage(path: Path, writer: BagWriter, topics: list[Topic]) -> int:
-    """Copy all that is sound in a file; how many bytes of it are not. `topics` counts over all files."""
+def _holds_messages(path: Path) -> bool:
+    file = McapFile(path)
+    file.close()
+    return bool(file.counts)
+
+
+def _salvage(path: Path, writer: BagWriter, topics: list[Topic]) -> tuple[int, bool]:
+    """Copy all that is sound in a file. `topics` counts over all files.
+
+    Returns:
+        How many bytes of it are not sound, and whether it is worth keeping: not only its end is missing.
+    """
     numbers: dict[int, int] = {}
     known = {topic.name: topic for topic in topics}
     file = McapFile(path)
@@ -138,7 +158,7 @@ def _salvage(path: Path, writer: BagWriter, topics: list[Topic]) -> int:
                     known[writer.topics[numbers[channel]].name].count += 1
     finally:
         file.close()
-    return file.bytes_lost
+    return file.bytes_lost, file.broken > 0
 
 
 def qos_of(channel: Channel) -> Qos | None:
