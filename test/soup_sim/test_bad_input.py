@@ -25,15 +25,15 @@ WRONG_VALUES = [
     ("bukets=60", "bukets", "an unknown key", "buckets (did you mean it?)"),
     ("bot.radius_cm=50", "bot.radius_cm", "an unknown key", "radius_m (did you mean it?)"),
     ("bot.radius_m='50 cm'", "bot.radius_m", "'50 cm'", "number"),
-    ("bot.radius_m=-1", "bot.radius_m", "-1", "greater than 0"),
+    ("bot.radius_m=-1", "bot.radius_m", "-1", "greater than or equal to 0.05"),
     ("bot.radius_m=.nan", "bot.radius_m", "nan", "finite"),
     ("bot.radius_m=.inf", "bot.radius_m", "inf", "finite"),
     ("bot.radius_m=0.75", "layout.pitch_m", "1.5", "more than"),
-    ("bot.max_speed_mps=0", "bot.max_speed_mps", "0", "greater than 0"),
+    ("bot.max_speed_mps=0", "bot.max_speed_mps", "0", "greater than or equal to 0.01"),
     ("bot.max_acceleration_mps2=fast", "bot.max_acceleration_mps2", "'fast'", "number"),
-    ("bot.turn_rate_radps=-2", "bot.turn_rate_radps", "-2", "greater than 0"),
+    ("bot.turn_rate_radps=-2", "bot.turn_rate_radps", "-2", "greater than or equal to 0.01"),
     ("bot.grab_s=-0.5", "bot.grab_s", "-0.5", "greater than or equal to 0"),
-    ("bot.collision_penalty_s=0", "bot.collision_penalty_s", "0", "greater than 0"),
+    ("bot.collision_penalty_s=0", "bot.collision_penalty_s", "0", "greater than or equal to 0.001"),
     ("bot.sensing.view_angle_rad=7", "bot.sensing.view_angle_rad", "7", "less than or equal to 6.28"),
     ("bot.sensing.view_angle_rad=0", "bot.sensing.view_angle_rad", "0", "greater than 0"),
     ("bot.sensing.nearest=0", "bot.sensing.nearest", "0", "greater than or equal to 1"),
@@ -59,7 +59,7 @@ WRONG_VALUES = [
     ("colours=[]", "colours", "[]", "at least 1"),
     ("colours={kind: pareto}", "colours.count", "nothing", "required"),
     ("colours={kind: rainbow}", "colours.kind", "'rainbow'", "'pareto'"),
-    ("orders={kind: poisson, per_hour: 0}", "orders.per_hour", "0", "greater than 0"),
+    ("orders={kind: poisson, per_hour: 0}", "orders.per_hour", "0", "greater than or equal to 0.000001"),
     ("orders={kind: poisson, per_hour: 9, daily_profile: [1.0]}", "orders.daily_profile", "[1.0]", "at least 24"),
     ("orders={kind: never}", "orders.kind", "'never'", "'backlog'"),
     ("orders={visible: 5, count: 3, kind: backlog}", "orders.count", "an unknown key", "visible"),
@@ -69,8 +69,31 @@ WRONG_VALUES = [
     ("layout.aisle_lanes=3", "layout.aisle_lanes", "3", "less than or equal to 2"),
     ("bots.count=3", "bots.count", "a value at 'bots'", "a dotted key"),
     ("bots", "", "'bots'", "KEY=VALUE"),
-    ("bots=[1", "bots", "'[1'", "YAML value"),
+    # what would never end, or need more memory than there is
+    ("floor.width_m=1e12", "floor.width_m", "1000000000000", "less than or equal to 20000"),
+    ("bot.radius_m=1e-6", "bot.radius_m", "1e-06", "greater than or equal to 0.05"),
+    ("bot.max_speed_mps=1e9", "bot.max_speed_mps", "1000000000", "less than or equal to 50"),
+    ("bot.max_speed_mps=1e-300", "bot.max_speed_mps", "1e-300", "greater than or equal to 0.01"),
+    ("bot.max_acceleration_mps2=1e300", "bot.max_acceleration_mps2", "1e+300", "less than or equal to 1000"),
+    ("bot.grab_s=1e6", "bot.grab_s", "1000000", "less than or equal to 86400"),
+    ("bucket.capacity=20000", "bucket.capacity", "20000", "less than or equal to 10000"),
+    ("orders={kind: poisson, per_hour: 1e300}", "orders.per_hour", "1e+300", "less than or equal to 360000"),
+    (
+        f"orders={{kind: poisson, per_hour: 1e5, daily_profile: [{'100, ' * 24}]}}",
+        "orders.daily_profile",
+        "1e+07 arrivals in the busiest hour",
+        "at most 360000",
+    ),
+    (f"word_stations=[{'[1, 2], ' * 10_001}]", "word_stations", "[(1, 2)", "at most 10000 items"),
+    (f"name=[{'a, ' * 50_000}]", "name", "['a', 'a'", "string"),
+    ('name="a\\nb"', "name", "'a\\nb'", "a name without control characters"),
+    ("bots=[1", "bots", "expected ',' or ']'", "YAML value"),
 ]
+
+
+def test_a_number_may_be_written_with_an_exponent() -> None:
+    scenario = load_warehouse(DEMO, ["bots=1e1", "bot.grab_s=5e-1", "floor.width_m=4e1"]).scenario
+    assert (scenario.bots, scenario.bot.grab_s, scenario.floor.width_m) == (10, 0.5, 40.0)
 
 
 def one_line(path: Path, *overrides: str) -> str:
@@ -82,7 +105,7 @@ def one_line(path: Path, *overrides: str) -> str:
     return text
 
 
-@pytest.mark.parametrize(("override", "key", "found", "allowed"), WRONG_VALUES, ids=[w[0] for w in WRONG_VALUES])
+@pytest.mark.parametrize(("override", "key", "found", "allowed"), WRONG_VALUES, ids=[w[0][:60] for w in WRONG_VALUES])
 def test_a_wrong_value_is_told_in_one_line(override: str, key: str, found: str, allowed: str) -> None:
     line = one_line(DEMO, override)
     place, said_found, said_allowed = line.replace("; allowed: ", ": found ").split(": found ", 2)

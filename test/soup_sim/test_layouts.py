@@ -377,7 +377,7 @@ def test_a_map_that_is_no_text_is_named(tmp_path):
     (tmp_path / "floor.txt").write_bytes(b"\xff\xfe")
     assert "found bytes that are not UTF-8 text" in line_of(scenario)
     (tmp_path / "floor.txt").write_bytes(b"#" * 1_000_001)
-    assert "found 1000001 bytes; allowed: at most 1000000 bytes" in line_of(scenario)
+    assert "more than 1000000 bytes; allowed: a map file, at most 1000000 bytes" in line_of(scenario)
 
 
 def test_a_map_is_found_relative_to_its_scenario():
@@ -527,12 +527,15 @@ def test_what_does_not_fit_is_one_line(layout, changes, expected):
             "layout.block_colums=3",
             "layout.block_colums: found an unknown key; allowed: block_columns (did you mean it?)",
         ),
-        ("layout.pitch_m=-1", "layout.pitch_m: found -1; allowed: greater than 0"),
+        ("layout.pitch_m=-1", "layout.pitch_m: found -1; allowed: greater than or equal to 0.1"),
         ("layout.aisle_lanes=3", "layout.aisle_lanes: found 3; allowed: less than or equal to 2"),
         ("layout={kind: map}", "layout.path: found nothing; allowed: a value"),
         ("layout={kind: map, path: a, wrong_way: 0.5}", "layout.wrong_way: found 0.5; allowed: greater than or equal"),
         ("layout={kind: hexagonal, block_columns: 3}", "layout.block_columns: found an unknown key"),
-        ("layout.highways=[{start: [1, 2], end: [3, 4], weight: 0}]", "weight: found 0; allowed: greater than 0"),
+        (
+            "layout.highways=[{start: [1, 2], end: [3, 4], weight: 0}]",
+            "weight: found 0; allowed: greater than or equal to 0.001",
+        ),
         ("layout.edges=[{start: [1, 2]}]", "layout.edges.0.end: found nothing"),
         ("layout.edges=[{start: [1, 2, 3], end: [1, 2]}]", "layout.edges.0.start: found (1, 2, 3)"),
     ],

@@ -224,7 +224,7 @@ def test_a_policy_that_chooses_what_is_not_there_ends_the_run_with_a_sentence(ow
         ("word_station.policy=nowhere.py:X", "word_station.policy: found no file"),
         ("word_station.policy=OWN:Nothing", "found no 'Nothing'; allowed: the name of a class in it"),
         ("word_station.policy=OWN:InTurn", "found another thing; allowed: a class that extends WordStationPolicy"),
-        ("word_station.policy={name: as_asked, options: {x: 1}}", "word_station.policy: as_asked.options: found"),
+        ("word_station.policy={name: as_asked, options: {x: 1}}", "word_station.policy: as_asked.options.x: found"),
         ("word_station.policy=3", "word_station.policy: found 3; allowed: "),
         ("word_station.policy={nam: as_asked}", "word_station.policy.nam: found an unknown key; allowed: name"),
     ],

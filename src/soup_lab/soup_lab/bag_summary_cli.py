@@ -20,9 +20,11 @@ from soup_msgs_py import arguments as args
 from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.figures import known
+from soup_msgs_py.files import read_text
 from soup_sim.summary import table, write_summary
 
 FIGURES = "a summary that --summary has written"
+LARGEST_SUMMARY_BYTES = 10_000_000
 
 
 def parse(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -64,10 +66,10 @@ def read_summary(path: Path) -> dict[str, Any]:
         InputError: There is none.
     """
     try:
-        summary = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(path, "", error.strerror or error, FIGURES) from error
-    except ValueError as error:
+        summary = json.loads(read_text(path, LARGEST_SUMMARY_BYTES, FIGURES))
+    except InputError:
+        raise
+    except (ValueError, RecursionError) as error:
         raise InputError(path, "", f"no JSON ({error})", FIGURES) from error
     if not isinstance(summary, dict) or "words_completed" not in summary:
         raise InputError(path, "", "no summary", FIGURES)

@@ -15,8 +15,9 @@ from soup_lab.compare_identity import settings_digest
 from soup_lab.headless import make_minds
 from soup_lab.runs import RunPlan
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.files import folder_of, read_text
 from soup_msgs_py.policies import ROLES, Policies, PolicyChoice, anchor, load_policies, name_alone
-from soup_msgs_py.yaml_input import read_mapping, validate
+from soup_msgs_py.yaml_input import LARGEST_FILE_BYTES, read_mapping, validate
 from soup_sim.setup import Warehouse, load_warehouse
 
 
@@ -88,7 +89,7 @@ def load_experiment(path: Path, replications: int | None = None) -> Experiment:
         InputError: Anything is wrong, in any variant; nothing has been run.
     """
     keys, groups = read_experiment(path)
-    folder = path.resolve().parent
+    folder = folder_of(path)
     scenario, policies, shared = folder / keys.scenario, folder / keys.policies, keys.set
     warehouses: dict[str, Warehouse] = {}
 
@@ -126,7 +127,7 @@ def load_experiment(path: Path, replications: int | None = None) -> Experiment:
     files = {str(path): path, keys.scenario: scenario, keys.policies: policies}
     changes = [change for _, variants in groups for v in variants for change in (v.scenario, v.policies)]
     files.update({change: folder / change for change in changes if isinstance(change, str)})
-    texts = {name: file.read_text(encoding="utf-8") for name, file in files.items()}
+    texts = {name: read_text(file, LARGEST_FILE_BYTES, "a text file") for name, file in files.items()}
     return Experiment(keys.name, keys.about, texts, keys.run_seeds(replications), base, loaded)
 
 

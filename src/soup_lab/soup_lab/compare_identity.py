@@ -7,6 +7,7 @@ import hashlib
 import importlib
 import importlib.metadata
 import json
+import os
 import platform
 import subprocess
 from pathlib import Path
@@ -79,7 +80,7 @@ def _with_contents(value: Any) -> Any:
         return value
     place, _, of_file = value.rpartition(":") if ".py:" in value else (value, "", "")
     path = Path(place)
-    if not (path.is_absolute() or of_file) or not path.is_file():
+    if not (path.is_absolute() or of_file) or not os.path.isfile(path):
         return value
     return ["file", _digest(path.read_bytes()), of_file]
 

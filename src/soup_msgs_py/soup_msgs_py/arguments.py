@@ -9,12 +9,14 @@ import re
 import socket
 import sys
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
-from soup_msgs_py.errors import InputError
+from soup_msgs_py.errors import InputError, printable
 from soup_msgs_py.output_files import LONGEST_NAME, why
 
 MOST_BOTS = 100_000
+LONGEST_MESSAGE = 1_000  # characters
+LONGEST_RUN_S = 1e9  # some thirty years; ROS counts seconds up to 2**31
 BAG_FILE = "_0000.mcap"  # what comes after the name of a bag's folder in those of its files
 
 
@@ -31,8 +33,18 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print the line and exit."""
-        print(f"{self.prog}: {message.removeprefix('argument ')}", file=sys.stderr)
+        print(f"{self.prog}: {printable(message.removeprefix('argument '), LONGEST_MESSAGE)}", file=sys.stderr)
         sys.exit(2)
+
+    def parse_known_args(  # pyright: ignore[reportIncompatibleMethodOverride]
+        self, args: Any = None, namespace: Any = None
+    ) -> Any:
+        """Parse as ever, but refuse a value that the standard library stumbles over."""
+        for argument in sys.argv[1:] if args is None else args:
+            option, _, value = argument.partition("=")
+            if value == "--" and option.startswith("--"):
+                self.error(f"{option}: found '--'; allowed: a value")
+        return super().parse_known_args(args, namespace)
 
 
 def _number(text: str) -> float:
@@ -47,6 +59,14 @@ def positive(text: str) -> float:
     value = _number(text)
     if not (value > 0 and math.isfinite(value)):
         raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a number above 0")
+    return value
+
+
+def seconds(text: str) -> float:
+    """A simulated time above 0 (s)."""
+    value = positive(text)
+    if value > LONGEST_RUN_S:
+        raise argparse.ArgumentTypeError(f"found {text!r}; allowed: a number above 0, up to {LONGEST_RUN_S:g}")
     return value
 
 
@@ -160,7 +180,7 @@ def add_scenario(parser: Parser, default: Path | None) -> None:
 
 def add_run(parser: Parser) -> None:
     """Add what says how long, how fast and how a run goes."""
-    parser.add_argument("--duration", type=positive, metavar="S", help="simulated seconds; without: until Ctrl-C")
+    parser.add_argument("--duration", type=seconds, metavar="S", help="simulated seconds; without: until Ctrl-C")
     parser.add_argument("--warmup", type=not_negative, default=0.0, metavar="S", help="simulated seconds not counted")
     parser.add_argument("--seed", type=seed, default=0, help="of all random numbers")
     parser.add_argument("--summary", type=output_file, metavar="FILE", help="write the figures of the run as JSON")
@@ -187,7 +207,7 @@ def folder(text: str) -> Path:
 def add_checkpoint(parser: Parser) -> None:
     """Add what keeps the state of a world."""
     parser.add_argument("--checkpoint", type=folder, metavar="DIR", help="keep the world's newest checkpoint there")
-    parser.add_argument("--every", type=positive, metavar="S", help="simulated seconds between two checkpoints")
+    parser.add_argument("--every", type=seconds, metavar="S", help="simulated seconds between two checkpoints")
     parser.add_argument("--restore", action="store_true", help="go on from the checkpoint in DIR, if there is one")
 
 

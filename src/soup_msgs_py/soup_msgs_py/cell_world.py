@@ -9,11 +9,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from soup_msgs_py.errors import InputError
+from soup_msgs_py.errors import InputError, printable
+from soup_msgs_py.files import read_text
 
 ROBOT, BOX, SHELF, FULL, FLOOR = "@*|#_"
 ALLOWED = "@ robot, * box, | empty shelf, # full shelf or wall, _ floor"
 MOST_CELLS = 1_000_000
+MOST_BYTES = 10_000_000
+_FILE = "a world file"
 SUFFIX = ".txt"  # of a world file, where a scenario could be one
 PITCH_M = 3.0  # between two cells of a warehouse's floor
 _WORDS = Path(__file__).resolve().parents[3] / "config/words/prose.txt"  # every scenario has some
@@ -89,7 +92,7 @@ def read_world(path: Path) -> World:
     Raises:
         InputError: It cannot be read, or there can be no plan for what it shows.
     """
-    return parse_world(_read(path), path)
+    return parse_world(read_text(path, MOST_BYTES, _FILE), path)
 
 
 def world_scenario(path: Path) -> dict[str, Any]:
@@ -101,12 +104,12 @@ def world_scenario(path: Path) -> dict[str, Any]:
     Raises:
         InputError: As `read_world`, or there is nothing to do.
     """
-    text = _read(path)
+    text = read_text(path, MOST_BYTES, _FILE)
     world = parse_world(text, path)
     if not world.boxes:
         raise InputError(path, "", "no box", f"at least one {BOX}")
     return {
-        "name": path.stem[:80],
+        "name": printable(path.stem)[:80],
         "floor": {"width_m": (max(world.width, 2) + 1) * PITCH_M, "height_m": (world.height + 2) * PITCH_M},
         "bots": len(world.robots),
         "buckets": len(world.boxes),
@@ -117,14 +120,6 @@ def world_scenario(path: Path) -> dict[str, Any]:
         "bundles": {"kind": "none"},
         "layout": {"kind": "cells", "rows": text.split()[: world.height], "pitch_m": PITCH_M},
     }
-
-
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else "no text"
-        raise InputError(path, "", reason, "a world file") from error
 
 
 def parse_world(text: str, source: object = "world") -> World:

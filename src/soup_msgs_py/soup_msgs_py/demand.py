@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from soup_msgs_py.parameters import Count, NotNegative, Part, Positive
+
+MOST_PER_HOUR = 360_000.0  # arrivals, a hundred a second: more are never worked off
 
 
 class ExplicitColours(Part):
@@ -58,7 +60,15 @@ class ParetoColours(Part):
 
 
 Colours = Annotated[ExplicitColours | UniformColours | ParetoColours, Field(discriminator="kind")]
-DailyProfile = Annotated[list[NotNegative], Field(min_length=24, max_length=24)]  # factor for each hour of the day
+PerHour = Annotated[Positive, Field(ge=1e-6, le=MOST_PER_HOUR)]
+Factor = Annotated[NotNegative, Field(le=1_000.0)]
+DailyProfile = Annotated[list[Factor], Field(min_length=24, max_length=24)]  # factor for each hour of the day
+
+
+def _check_peak(per_hour: float, profile: list[float]) -> None:
+    peak = per_hour * max(profile)
+    if peak > MOST_PER_HOUR:
+        raise ValueError(f"daily_profile|{peak:g} arrivals in the busiest hour|at most {MOST_PER_HOUR:g}")
 
 
 class Backlog(Part):
@@ -79,9 +89,14 @@ class PoissonOrders(Part):
     """Words arrive at random, `per_hour` on average, times the factor of the hour of the day."""
 
     kind: Literal["poisson"]
-    per_hour: Positive = Field(description="words on average")
+    per_hour: PerHour = Field(description="words on average")
     daily_profile: DailyProfile = Field(default=[1.0] * 24, description="a factor for each hour of the day")
     at_start: Annotated[int, Field(ge=0, le=100_000)] = Field(default=0, description="words that wait at the start")
+
+    @model_validator(mode="after")
+    def _not_too_many(self) -> Self:
+        _check_peak(self.per_hour, self.daily_profile)
+        return self
 
 
 class OrderFile(Part):
@@ -110,9 +125,14 @@ class PoissonBundles(Part):
     """Bundles of kinds that follow the letters of words arrive at random, `per_hour` on average."""
 
     kind: Literal["poisson"]
-    per_hour: Positive = Field(description="bundles on average")
+    per_hour: PerHour = Field(description="bundles on average")
     daily_profile: DailyProfile = Field(default=[1.0] * 24, description="a factor for each hour of the day")
     at_start: Annotated[int, Field(ge=0, le=100_000)] = Field(default=0, description="bundles that wait at the start")
+
+    @model_validator(mode="after")
+    def _not_too_many(self) -> Self:
+        _check_peak(self.per_hour, self.daily_profile)
+        return self
 
 
 class BundleFile(Part):

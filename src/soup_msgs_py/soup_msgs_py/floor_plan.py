@@ -8,7 +8,7 @@ from pydantic import Field, field_validator
 
 from soup_msgs_py.cell_world import World, parse_world
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.parameters import Count, Part, Place, Positive
+from soup_msgs_py.parameters import Cost, Count, Part, Place, Spacing
 
 
 class Edge(Part):
@@ -16,7 +16,7 @@ class Edge(Part):
 
     start: Place = Field(description="`[x, y]` of a waypoint, in metres")
     end: Place = Field(description="`[x, y]` of a waypoint, in metres")
-    weight: Positive = Field(default=1.0, description="cost of a metre; 1 is normal")
+    weight: Cost = Field(default=1.0, description="cost of a metre; 1 is normal")
 
 
 class Highway(Part):
@@ -24,14 +24,14 @@ class Highway(Part):
 
     start: Place = Field(description="`[x, y]` in metres")
     end: Place = Field(description="`[x, y]` in metres")
-    weight: Positive = Field(default=1.0, description="cost of a metre in its direction; 1 is normal")
+    weight: Cost = Field(default=1.0, description="cost of a metre in its direction; 1 is normal")
     one_way: bool = Field(default=False, description="no edge leads against its direction")
 
 
 class _WaypointGraph(Part):
     """What all layouts have in common; see the modules of `soup_sim.layouts`."""
 
-    pitch_m: Positive = Field(default=3.0, description="distance between neighbouring waypoints")
+    pitch_m: Spacing = Field(default=3.0, description="distance between neighbouring waypoints")
     edges: list[Edge] = Field(default=[], max_length=10_000, description="more edges, or other weights")
     highways: list[Highway] = Field(
         default=[], max_length=1_000, description="lines that are cheaper or dearer in one direction"
@@ -77,7 +77,7 @@ class MapLayout(_WaypointGraph):
 
     kind: Literal["map"]
     path: str = Field(description="the drawing")
-    wrong_way: Annotated[float, Field(ge=1, allow_inf_nan=False)] | None = Field(
+    wrong_way: Annotated[float, Field(ge=1, le=1e6, allow_inf_nan=False)] | None = Field(
         default=5.0, description="how many times more a lane costs against its arrow; null forbids it"
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import inspect
 import re
 import sys
 from collections.abc import Callable, Mapping
@@ -12,8 +13,11 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
+from soup_msgs_py.blame import told
 from soup_msgs_py.cell_world import SUFFIX
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.files import check_regular, folder_of, whole_path
+from soup_msgs_py.options import check_options
 from soup_msgs_py.yaml_input import read_mapping, validate
 
 ROLES = ("word", "letter", "fleet", "bot")
@@ -77,12 +81,12 @@ def load_policies(path: str | Path | None, overrides: Mapping[str, str | None] |
         InputError: The file or a choice is wrong. Whether the names exist is checked by `load_policy`.
     """
     data: dict[str, Any] = {} if path is None else read_mapping(Path(path))
-    base = Path(path).resolve().parent if path is not None else Path.cwd()
+    base = folder_of(path) if path is not None else Path.cwd()
     policies = validate(Policies, data, path or "policies")
     chosen = {role: anchor(getattr(policies, role), base) for role in ROLES}
     for role, name in (overrides or {}).items():
         if name is not None:
-            chosen[role] = anchor(PolicyChoice(name=name), Path.cwd())
+            chosen[role] = anchor(validate(PolicyChoice, {"name": name}, f"--{role}-policy"), Path.cwd())
     return Policies(**chosen)
 
 
@@ -102,7 +106,7 @@ def anchor(choice: PolicyChoice, base: Path) -> PolicyChoice:
 
 def _anchor_name(text: str, base: Path) -> str:
     place, colon, name = text.rpartition(":")
-    return f"{(base / place).resolve()}:{name}" if colon and place.endswith(".py") else text
+    return f"{whole_path(place, base)}:{name}" if colon and place.endswith(".py") else text
 
 
 def _anchor_option(value: Any, base: Path) -> Any:
@@ -154,35 +158,45 @@ def policy_maker(choice: PolicyChoice, source: str, known: Mapping[str, type], b
             raise InputError(source, place, f"no {class_name!r}", "the name of a class in it")
     if not (isinstance(policy_class, type) and issubclass(policy_class, base_class)):
         raise InputError(source, choice.name, "another thing", f"a class that extends {base_class.__name__}")
+    if inspect.isabstract(policy_class) or policy_class is base_class:
+        lacks = ", ".join(sorted(getattr(policy_class, "__abstractmethods__", ())))
+        allowed = f"a class that implements {lacks}" if lacks else f"a class that extends {base_class.__name__}"
+        raise InputError(source, choice.name, "a class that decides nothing by itself", allowed)
 
     def make() -> Any:
+        options = check_options(policy_class, choice.options, source, f"{choice.name}.options")
         try:
-            return policy_class(**choice.options)
+            return policy_class(**options)
         except InputError:  # of a policy that an option names
             raise
-        except (TypeError, ValueError) as error:
-            allowed = "the options of its constructor"
-            raise InputError(source, f"{choice.name}.options", str(error), allowed) from error
+        except (Exception, SystemExit) as error:  # a person's own class may fail in any way
+            allowed = "a constructor that takes its options"
+            raise InputError(source, choice.name, told(error), allowed) from error
 
     return make
 
 
 def _load_module(place: str, source: str) -> Any:
     allowed = "a Python file or module that can be imported"
-    try:
-        if not place.endswith(".py"):
+    if not place.endswith(".py"):
+        try:
             return importlib.import_module(place)
-        path = Path(place)
-        if not path.is_file():
-            raise InputError(source, "", f"no file {place}", allowed)
-        spec = importlib.util.spec_from_file_location(f"soup_policy_{path.stem}", path)
-        if spec is None or spec.loader is None:
-            raise InputError(source, "", place, allowed)
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[spec.name] = module
+        except (Exception, SystemExit) as error:  # a person's own module may fail in any way
+            raise InputError(source, place, told(error), allowed) from error
+    try:
+        check_regular(place)
+    except FileNotFoundError as error:
+        raise InputError(source, "", f"no file {place}", allowed) from error
+    except OSError as error:
+        raise InputError(source, "", f"{place}: {error.strerror}", allowed) from error
+    spec = importlib.util.spec_from_file_location(f"soup_policy_{Path(place).stem}", place)
+    if spec is None or spec.loader is None:
+        raise InputError(source, "", place, allowed)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    try:
         spec.loader.exec_module(module)
-        return module
-    except InputError:
-        raise
-    except Exception as error:  # a person's own module may fail in any way
-        raise InputError(source, place, f"{type(error).__name__}: {error}", allowed) from error
+    except (Exception, SystemExit) as error:
+        del sys.modules[spec.name]
+        raise InputError(source, place, told(error), allowed) from error
+    return module

@@ -14,6 +14,7 @@ from pydantic import Field, field_validator, model_validator
 from soup_msgs_py.cell_world import SUFFIX, world_scenario
 from soup_msgs_py.demand import Backlog, BundleFile, Bundles, ChosenBundles, Colours, ExplicitColours, OrderFile, Orders
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.files import folder_of, whole_path
 from soup_msgs_py.floor_plan import Layout_, MapLayout, RowsLayout
 from soup_msgs_py.parameters import (
     BotParameters,
@@ -31,6 +32,8 @@ from soup_msgs_py.tiles import LETTERS
 from soup_msgs_py.words import WordFileError, WordList, read_words
 from soup_msgs_py.yaml_input import Overrides, apply_overrides, read_mapping, validate
 
+Positions = Annotated[list[Position], Field(min_length=1, max_length=10_000)]
+
 
 class Scenario(Part):
     """A whole warehouse. The defaults are those of the paper's example where it gives a number."""
@@ -39,10 +42,10 @@ class Scenario(Part):
     floor: Floor = Field(description="how large it is")
     bots: Count = Field(description="how many bucketbots")
     buckets: Count = Field(description="how many buckets")
-    word_stations: Count | Annotated[list[Position], Field(min_length=1)] = Field(
+    word_stations: Count | Positions = Field(
         description="how many, evenly spaced along the right edge, or where each is, in metres"
     )
-    letter_stations: Count | Annotated[list[Position], Field(min_length=1)] = Field(
+    letter_stations: Count | Positions = Field(
         description="how many, evenly spaced along the left edge, or where each is, in metres"
     )
     bot: BotParameters = Field(default=BotParameters(), description="size, speed and times of a bot")
@@ -65,6 +68,13 @@ class Scenario(Part):
     orders: Orders = Field(default=Backlog(), description="which words customers order, and when")
     bundles: Bundles = Field(default=ChosenBundles(), description="which letters arrive, and when")
     layout: Layout_ = Field(default=RowsLayout(), description="where waypoints, aisles and storage spots are")
+
+    @field_validator("name")
+    @classmethod
+    def _can_be_shown(cls, name: str) -> str:
+        if not name.isprintable():
+            raise ValueError(f"{name!r}|a name without control characters")
+        return name
 
     @field_validator("colours", mode="before")
     @classmethod
@@ -127,7 +137,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
     data = world_scenario(path) if path.suffix == SUFFIX else read_mapping(path)
     overridden = apply_overrides(data, overrides)
     scenario = validate(Scenario, data, path, overridden)
-    updates: dict[str, object] = {"words": _absolute(scenario.words, _base("words", path, overridden))}
+    updates: dict[str, object] = {"words": whole_path(scenario.words, _base("words", path, overridden))}
     for key in ("word_station", "letter_station"):
         part = getattr(scenario, key)
         policy = anchor(part.policy, _base(f"{key}.policy.name", path, overridden))
@@ -135,7 +145,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
     for key in ("orders", "bundles", "layout"):
         part = getattr(scenario, key)
         if isinstance(part, (OrderFile, BundleFile, MapLayout)):
-            place = _absolute(part.path, _base(f"{key}.path", path, overridden))
+            place = whole_path(part.path, _base(f"{key}.path", path, overridden))
             updates[key] = part.model_copy(update={"path": place})
     return scenario.model_copy(update=updates)
 
@@ -143,11 +153,7 @@ def load_scenario(path: str | Path, overrides: Overrides = ()) -> Scenario:
 def _base(key: str, scenario_file: Path, overridden: set[str]) -> Path:
     """The folder that a file named under a key is relative to: the scenario's own, or here if the command line did."""
     here = any(key == named or key.startswith(f"{named}.") for named in overridden)
-    return Path.cwd() if here else scenario_file.resolve().parent
-
-
-def _absolute(place: str, base: Path) -> str:
-    return str((base / place).resolve())
+    return Path.cwd() if here else folder_of(scenario_file)
 
 
 def scenario_from_json(text: str) -> Scenario:

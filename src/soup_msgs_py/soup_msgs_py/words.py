@@ -1,14 +1,15 @@
 """The words customers may order: read from any plain text file, a list or prose."""
 
+import errno
 import os
 import re
-import stat
 import sys
 import unicodedata
 from collections import Counter
 from dataclasses import dataclass
 
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.files import DEVICE, ZERO_BYTE, read_bytes
 
 MAX_FILE_MB = 50
 
@@ -110,23 +111,18 @@ def _tally(unusable: tuple[tuple[str, int], ...]) -> str:
 def _read_text(path: str | os.PathLike[str]) -> str:
     """Return the text of a file, or raise a `WordFileError` that says why there is none."""
     name, limit = str(path), MAX_FILE_MB * 1_000_000
-    data = b""
     try:
-        mode = os.stat(path).st_mode
-        if stat.S_ISREG(mode):
-            with open(path, "rb") as handle:
-                data = handle.read(limit + 1)
+        data = read_bytes(path, limit)
     except FileNotFoundError:
         raise WordFileError(name, "", "no such file", _TEXT) from None
+    except IsADirectoryError:
+        raise WordFileError(name, "", "a directory", _TEXT) from None
     except OSError as error:
-        raise WordFileError(name, "", f"that it cannot be read ({error.strerror})", _TEXT) from None
-    except ValueError:
-        raise WordFileError(name.replace("\0", "\\0"), "", "a zero byte in its name", _TEXT) from None
-    if not stat.S_ISREG(mode):
-        kind = "a directory" if stat.S_ISDIR(mode) else "a device, pipe or socket"
-        raise WordFileError(name, "", kind, _TEXT)
-    if len(data) > limit:
-        raise WordFileError(name, "", f"more than {MAX_FILE_MB} MB", f"at most {MAX_FILE_MB} MB of text")
+        if error.errno == errno.EFBIG:
+            raise WordFileError(name, "", f"more than {MAX_FILE_MB} MB", f"at most {MAX_FILE_MB} MB of text") from None
+        is_ours = error.strerror in (DEVICE, ZERO_BYTE)
+        found = error.strerror if is_ours else f"that it cannot be read ({error.strerror})"
+        raise WordFileError(name, "", found, _TEXT) from None
     if not data:
         raise WordFileError(name, "", "an empty file", _ONE_WORD)
     if (position := data.find(0)) >= 0:

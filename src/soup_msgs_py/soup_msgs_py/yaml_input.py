@@ -1,4 +1,4 @@
-"""Reading YAML that a person wrote: safe loading, single overrides, errors as one line."""
+"""Settings that a person wrote: a YAML file, single overrides, their check against a model; errors as one line."""
 
 from __future__ import annotations
 
@@ -7,37 +7,16 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.files import read_text
+from soup_msgs_py.yaml_text import load_yaml
 
 Overrides = Iterable[str]
 Model = TypeVar("Model", bound=BaseModel)
 LARGEST_FILE_BYTES = 10_000_000
-
-
-class _UniqueKeyLoader(yaml.SafeLoader):
-    """The safe loader, but a key that stands twice is an error instead of a silent choice."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict:
-        seen = set()
-        for key_node, _ in node.value:
-            key = self.construct_object(key_node, deep=True)
-            if isinstance(key, (str, int)) and key in seen:
-                raise yaml.constructor.ConstructorError(None, None, f"the key {key!r} twice", key_node.start_mark)
-            if isinstance(key, (str, int)):
-                seen.add(key)
-        return super().construct_mapping(node, deep)
-
-
-def _safe_load(text: str) -> Any:
-    """`yaml.safe_load`, refusing keys that stand twice."""
-    loader = _UniqueKeyLoader(text)
-    try:
-        return loader.get_single_data()
-    finally:
-        loader.dispose()
+DEEPEST_KEY = 20  # parts of a dotted key
 
 
 def read_mapping(path: Path) -> dict[str, Any]:
@@ -47,22 +26,7 @@ def read_mapping(path: Path) -> dict[str, Any]:
         InputError: The file is missing, unreadable, not YAML, or not a mapping.
     """
     allowed = "a YAML file of `key: value` lines"
-    try:
-        if path.stat().st_size > LARGEST_FILE_BYTES:
-            raise InputError(path, "", f"{path.stat().st_size} bytes", f"at most {LARGEST_FILE_BYTES} bytes")
-        text = path.read_text(encoding="utf-8")
-        data = _safe_load(text)
-    except OSError as error:
-        raise InputError(path, "", error.strerror or error, allowed) from error
-    except UnicodeDecodeError as error:
-        raise InputError(path, "", "bytes that are not UTF-8 text", allowed) from error
-    except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f"line {mark.line + 1}" if mark is not None else ""
-        problem = getattr(error, "problem", None) or str(error)
-        raise InputError(path, where, problem, allowed) from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "", error, allowed) from error
+    data = load_yaml(read_text(path, LARGEST_FILE_BYTES, allowed), path, "", allowed)
     if not isinstance(data, dict):
         raise InputError(path, "", "nothing" if data is None else f"a {type(data).__name__}", allowed)
     return data
@@ -82,11 +46,10 @@ def apply_overrides(data: dict[str, Any], overrides: Overrides) -> set[str]:
         key, equals, text = override.partition("=")
         if not equals or not key:
             raise InputError("--set", "", repr(override), "KEY=VALUE, for instance bots=120")
-        try:
-            value = _safe_load(text)
-        except (yaml.YAMLError, ValueError) as error:
-            raise InputError("--set", key, repr(text), "a YAML value, for instance 120 or [0.8, 0.2]") from error
+        value = load_yaml(text, "--set", key, "a YAML value, for instance 120 or [0.8, 0.2]")
         *parents, last = key.split(".")
+        if len(parents) >= DEEPEST_KEY:
+            raise InputError("--set", key, f"{len(parents) + 1} dotted parts", f"at most {DEEPEST_KEY}")
         place: Any = data
         for parent in parents:
             place = place.setdefault(parent, {})
@@ -106,21 +69,38 @@ def validate(model: type[Model], data: dict[str, Any], source: object, overridde
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise _first_problem(model, error, data, source, set(overridden)) from error
+        raise first_problem(model, error, data, source, set(overridden)) from error
 
 
-def _first_problem(
-    model: type[BaseModel], error: ValidationError, data: Any, source: object, overridden: set[str]
+def first_problem(
+    model: type[BaseModel],
+    error: ValidationError,
+    data: Any,
+    source: object,
+    overridden: Iterable[str] = (),
+    prefix: str = "",
 ) -> InputError:
+    """What a model says of a mapping, as one line.
+
+    Args:
+        model: The model.
+        error: What it says.
+        data: The mapping.
+        source: The file or option that the mapping comes from.
+        overridden: Dotted keys that the command line has put into it.
+        prefix: The key that the mapping stands under.
+    """
     problem = _most_telling(error)
     kind = problem["type"]
     key = ".".join(_keys_only(problem["loc"], data, kind == "missing"))
     found, allowed = _shorten(problem["input"]), problem["msg"]
     if kind == "extra_forbidden":
         name, known = str(problem["loc"][-1]), _known_keys(model, problem["loc"])
-        close = difflib.get_close_matches(name, known, n=1)
+        close = difflib.get_close_matches(name[:80], known, n=1)
         found = "an unknown key"
-        allowed = f"{close[0]} (did you mean it?), or one of {', '.join(known)}" if close else ", ".join(known)
+        allowed = (
+            f"{close[0]} (did you mean it?), or one of {', '.join(known)}" if close else ", ".join(known) or "none"
+        )
     elif kind in ("missing", "union_tag_not_found"):
         if kind == "union_tag_not_found":
             key += ".kind"
@@ -137,10 +117,11 @@ def _first_problem(
         else:
             allowed = parts[0]
     else:
-        allowed = allowed.replace("Input should be", "").replace("Value error,", "").strip() or allowed
+        for opening in ("Input should be", "String should have", "Value error,"):
+            allowed = allowed.replace(opening, "").strip() or allowed
     if any(key == k or key.startswith(k + ".") or k.startswith(key + ".") for k in overridden):
         source = f"{source} with --set"
-    return InputError(source, key, found, allowed)
+    return InputError(source, ".".join(filter(None, [prefix, key])), found, allowed)
 
 
 def _most_telling(error: ValidationError) -> Any:
@@ -180,7 +161,7 @@ def _known_keys(model: type[BaseModel], location: tuple[int | str, ...]) -> list
     if not hasattr(here, "model_fields"):
         candidates = [m for m in getattr(here, "__args__", ()) if hasattr(m, "model_fields")]
         here = candidates[0] if candidates else model
-    return sorted(here.model_fields)
+    return sorted(field.alias or name for name, field in here.model_fields.items())
 
 
 def _tag(model: Any) -> object:

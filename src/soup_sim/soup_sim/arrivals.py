@@ -11,6 +11,7 @@ import numpy as np
 
 from soup_msgs_py.demand import BundleFile, OrderFile, PoissonBundles, PoissonOrders
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.files import read_text
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.tiles import parse_tile
 
@@ -156,14 +157,7 @@ def read_timed_bundles(scenario: Scenario, source: object) -> tuple[TimedBundle,
 
 def _lines(path: Path, source: object, key: str, allowed: str) -> list[tuple[int, float, str]]:
     """Line number, time and text of each line; empty lines and comments (#) are left out."""
-    try:
-        if path.stat().st_size > _LARGEST_FILE_BYTES:
-            raise InputError(path, "", f"{path.stat().st_size} bytes", f"at most {_LARGEST_FILE_BYTES} bytes")
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(source, key, f"{path}: {error.strerror}", f"a file of lines {allowed}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(path, "", "bytes that are not UTF-8 text", f"lines {allowed}") from error
+    text = read_text(path, _LARGEST_FILE_BYTES, f"a file of lines {allowed}", (source, key))
     lines: list[tuple[int, float, str]] = []
     for number, line in enumerate(text.splitlines(), start=1):
         line = line.partition("#")[0].strip()

@@ -8,6 +8,7 @@ import numpy as np
 
 from soup_bots.steering.base import Limits, Steer, Steering, SteerView, follow_all
 from soup_bots.steering.rows import Desk, make_desk, steer_rows
+from soup_msgs_py.parameters import NotNegative, Positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,20 +48,13 @@ class Evade(Steering):
     def __init__(
         self,
         *,
-        look_ahead_s: float = 1.5,
-        give_way_s: float = 0.8,
-        margin: float = 0.25,
-        bucket_margin: float = 0.03,
-        patience_s: float = 12.0,
+        look_ahead_s: Positive = 1.5,
+        give_way_s: Positive = 0.8,
+        margin: NotNegative = 0.25,
+        bucket_margin: NotNegative = 0.03,
+        patience_s: Positive = 12.0,
     ) -> None:
         """Set the options; see the class."""
-        for name, value in (
-            ("look_ahead_s", look_ahead_s),
-            ("give_way_s", give_way_s),
-            ("patience_s", patience_s),
-        ):
-            if not value > 0.0:
-                raise ValueError(f"{name} is {value}, it must be more than 0")
         self._options = np.array([look_ahead_s, give_way_s, margin, bucket_margin, patience_s])
         self._memory: _Memory | None = None
         self._limits: np.ndarray | None = None

@@ -12,7 +12,9 @@ from soup_managers.decisions.fills import FillChoice
 from soup_managers.decisions.onward import OnwardChoice
 from soup_managers.decisions.storage import StorageChoice
 from soup_managers.policies.fleet import AnyFleet
+from soup_msgs_py.options import check_options
 from soup_msgs_py.policies import PolicyChoice, load_policy
+from soup_msgs_py.yaml_input import validate
 
 Choice = str | dict[str, Any]
 
@@ -46,9 +48,9 @@ class Coordinated(AnyFleet):
         self.bots: BotChoice = _load(bots, "bots", BOTS, BotChoice)
         self.storage: StorageChoice = _load(storage, "storage", STORAGE, StorageChoice)
         self.onward: OnwardChoice = _load(onward, "onward", ONWARD, OnwardChoice)
-        self.horizons = Horizons(**(horizons or {}))
+        self.horizons = Horizons(**check_options(Horizons, horizons or {}, "fleet policy", "horizons"))
 
 
 def _load(choice: Choice, decision: str, known: dict[str, Any], base_class: type) -> Any:
-    chosen = PolicyChoice(name=choice) if isinstance(choice, str) else PolicyChoice(**choice)
-    return load_policy(chosen, decision, known, base_class)
+    chosen = {"name": choice} if isinstance(choice, str) else choice
+    return load_policy(validate(PolicyChoice, chosen, f"{decision} policy"), decision, known, base_class)

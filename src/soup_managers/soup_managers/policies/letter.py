@@ -10,6 +10,7 @@ import numpy as np
 from soup_managers.explain import Explain
 from soup_managers.policies import room
 from soup_managers.view import WarehouseView
+from soup_msgs_py.errors import InputError
 from soup_msgs_py.layout import Floats
 from soup_msgs_py.messages import AssignBundle
 from soup_msgs_py.tiles import tile_name
@@ -77,7 +78,7 @@ class Minimal(LetterPolicy):
     def __init__(self, station: str = "emptiest") -> None:
         """Set the options; see the class."""
         if station not in STATIONS:
-            raise ValueError(f"station is {station!r}, it must be one of {', '.join(STATIONS)}")
+            raise InputError("letter policy", "options.station", repr(station), ", ".join(STATIONS))
         self._choose_station = STATIONS[station]
 
     def choose(

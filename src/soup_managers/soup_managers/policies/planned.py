@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from pydantic import Field
+
 from soup_managers.planners.anytime import anytime
 from soup_managers.planners.check import check_plan
 from soup_managers.planners.homing import go_home
@@ -29,11 +33,11 @@ class Planned(AnyFleet):
         go_home: Whether robots with nothing left to do go back to where they began.
     """
 
-    def __init__(self, planner: str = AUTO, tries: int = 6, go_home: bool = True) -> None:
+    def __init__(
+        self, planner: str = AUTO, tries: Annotated[int, Field(ge=1, le=10_000)] = 6, go_home: bool = True
+    ) -> None:
         if planner not in (AUTO, *PLANNERS):
-            raise ValueError(f"planner {planner!r}; allowed: {', '.join([AUTO, *PLANNERS])}")
-        if not isinstance(tries, int) or tries < 1:
-            raise ValueError(f"tries {tries!r}; allowed: a whole number from 1")
+            raise InputError("fleet policy", "planned.options.planner", repr(planner), ", ".join([AUTO, *PLANNERS]))
         self._planner, self._tries, self._goes_home = planner, tries, go_home
 
     def plan(self, world: World) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.files import read_text
 from soup_msgs_py.floor_plan import MapLayout
 from soup_msgs_py.scenario import Scenario
 from soup_sim.layouts.draft import Draft, Indices, body_m
@@ -108,14 +109,7 @@ def _check_stations(draft: Draft, scenario: Scenario, path: Path, source: object
 
 def _read(path: Path, source: object) -> np.ndarray:
     """The characters of a map, shape (lines, columns)."""
-    try:
-        if path.stat().st_size > _LARGEST_FILE_BYTES:
-            raise InputError(path, "", f"{path.stat().st_size} bytes", f"at most {_LARGEST_FILE_BYTES} bytes")
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(source, "layout.path", f"{path}: {error.strerror}", "a map file") from error
-    except UnicodeDecodeError as error:
-        raise InputError(path, "", "bytes that are not UTF-8 text", _ALLOWED) from error
+    text = read_text(path, _LARGEST_FILE_BYTES, "a map file", (source, "layout.path"))
     lines = text.rstrip("\r\n").splitlines()
     if not lines:
         raise InputError(path, "", "no line", _ALLOWED)

@@ -1,0 +1,32 @@
+"""Where a person's own code failed: the file and the line of an exception that came out of it."""
+
+from __future__ import annotations
+
+import sysconfig
+import traceback
+from pathlib import Path
+
+_OURS = Path(__file__).resolve().parents[2]
+_LIBRARIES = tuple({Path(path).resolve() for path in sysconfig.get_paths().values()})
+
+
+def told(error: BaseException) -> str:
+    """An exception in one line: what it says, and the last line of a person's code that it came through."""
+    said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    place = where(error)
+    return f"{said} ({place})" if place else said
+
+
+def where(error: BaseException) -> str:
+    """The last line that is neither the warehouse's nor a library's; empty where there is none."""
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{error.filename}, line {error.lineno}"
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if _is_a_persons(frame.filename):
+            return f"{frame.filename}, line {frame.lineno}"
+    return ""
+
+
+def _is_a_persons(file: str) -> bool:
+    path = Path(file)
+    return path.is_absolute() and not any(path.is_relative_to(folder) for folder in (_OURS, *_LIBRARIES))
