@@ -36,7 +36,7 @@ def bars(rows: Sequence[Row]) -> str:
         runs = [summary["words_per_second"] for summary in row.summaries.values()]
         axes.plot(runs, [place] * len(runs), "o", color="black", markerfacecolor="white", markersize=4.0)
     bounds = {s["word_rate_bound"] for row, _ in shown for s in row.summaries.values()}
-    if len(bounds) == 1:
+    if len(bounds) == 1 and None not in bounds:
         _bound_line(axes, axes.axvline, bounds.pop())
     axes.set_yticks(range(len(shown)), [row.case.name for row, _ in shown])
     axes.set_ylim(len(shown) - 0.4, -0.6)
@@ -63,7 +63,7 @@ def curve(rows: Sequence[Row], key: str) -> str:
         axes.set_ylim(bottom=0.0)
         axes.set_xlim(left=0.0)
     bounds = {summary["word_rate_bound"] for _, row in points for summary in row.summaries.values()}
-    if len(bounds) == 1:
+    if len(bounds) == 1 and None not in bounds:
         _bound_line(left, left.axhline, bounds.pop())
     return _svg(figure)
 

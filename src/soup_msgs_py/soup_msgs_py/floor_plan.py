@@ -32,7 +32,7 @@ class _WaypointGraph(Part):
     """What all layouts have in common; see the modules of `soup_sim.layouts`."""
 
     pitch_m: Spacing = Field(default=3.0, description="distance between neighbouring waypoints")
-    edges: list[Edge] = Field(default=[], max_length=10_000, description="more edges, or other weights")
+    edges: list[Edge] = Field(default=[], max_length=2_000, description="more edges, or other weights")
     highways: list[Highway] = Field(
         default=[], max_length=1_000, description="lines that are cheaper or dearer in one direction"
     )

@@ -32,7 +32,7 @@ from soup_msgs_py.tiles import LETTERS
 from soup_msgs_py.words import WordFileError, WordList, read_words
 from soup_msgs_py.yaml_input import Overrides, apply_overrides, read_mapping, validate
 
-Positions = Annotated[list[Position], Field(min_length=1, max_length=10_000)]
+Positions = Annotated[list[Position], Field(min_length=1, max_length=1_000)]
 
 
 class Scenario(Part):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from typing import Any
 
@@ -170,13 +171,14 @@ class Statistics:
         self._fill(now)
         fill = self._fill_area * per_second if seconds > 0 else float(self._inventory)
         rate = self.words_completed * per_second
+        share = self._done_s * per_second / scenario.word_station_count
         return {
             "sim_seconds": now,
             "words_completed": self.words_completed,
             "letters_in_words": self.letters_in_words,
             "words_per_second": rate,
             "word_rate_bound": self.bound,
-            "fraction_of_bound": self._done_s * per_second / scenario.word_station_count,
+            "fraction_of_bound": share if math.isfinite(self.bound) else math.nan,
             "word_time_mean_s": sum(self._word_times) / len(self._word_times) if self._word_times else None,
             "word_time_p95_s": float(np.percentile(self._word_times, 95)) if self._word_times else None,
             "oldest_waiting_word_s": now - next(iter(self._waiting.values()), now),

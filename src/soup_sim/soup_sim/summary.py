@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -48,7 +49,7 @@ def make_summary(
             "letter_station": scenario.letter_station.policy.name,
         },
     }
-    return {key: _plain(values[key]) for key in KEYS}
+    return {key: finite(values[key]) for key in KEYS}
 
 
 def write_summary(path: Path | None, summary: Mapping[str, Any], tell: Tell = tell_on_stderr) -> bool:
@@ -64,7 +65,7 @@ def write_summary(path: Path | None, summary: Mapping[str, Any], tell: Tell = te
     """
     if path is not None:
         try:
-            write_whole(path, json.dumps(summary, indent=2) + "\n")
+            write_whole(path, json.dumps(finite(summary), indent=2, allow_nan=False) + "\n")
         except OutputError as error:
             tell(str(error))
             return False
@@ -93,6 +94,11 @@ def table(summary: Mapping[str, Any]) -> Table:
     return shown
 
 
-def _plain(value: Any) -> Any:
-    """A value that JSON knows, where numpy gave one of its own."""
-    return value.item() if hasattr(value, "item") else value
+def finite(value: Any) -> Any:
+    """A value that JSON knows: numpy's own ones as Python's, and None for a figure that no number can be, or any."""
+    if isinstance(value, Mapping):
+        return {key: finite(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(part) for part in value]
+    value = value.item() if hasattr(value, "item") else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -7,7 +7,7 @@ from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario
 from soup_sim.layouts.aisles import dense, hexagonal, rows
 from soup_sim.layouts.cells import cells
-from soup_sim.layouts.checks import check_counts, check_pitch, check_reachable
+from soup_sim.layouts.checks import check_counts, check_pitch, check_reachable, check_size
 from soup_sim.layouts.draft import Draft, body_m
 from soup_sim.layouts.drawn_map import drawn_map
 from soup_sim.layouts.highways import change_edges
@@ -24,6 +24,7 @@ def make_layout(scenario: Scenario, source: object = "scenario") -> Layout:
         InputError: Bodies, stations or buckets do not fit on the floor, or a place cannot be reached.
     """
     check_pitch(scenario, source)
+    check_size(scenario, source)
     draft = _draft(scenario, source)
     change_edges(draft, scenario.layout, body_m(scenario), source)
     if not isinstance(scenario.layout, CellsLayout):  # whose places have been looked at

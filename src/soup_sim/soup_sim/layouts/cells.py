@@ -9,6 +9,7 @@ import numpy as np
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.floor_plan import CellsLayout
 from soup_msgs_py.scenario import Scenario
+from soup_sim.layouts.checks import check_waypoints
 from soup_sim.layouts.draft import Draft, Indices, body_m
 
 BESIDE = math.sqrt(2.0)  # two bots that turn the same corner at once are this much nearer than two cells
@@ -24,6 +25,7 @@ def cells(scenario: Scenario, plan: CellsLayout, source: object) -> Draft:
         InputError: Numbers of the scenario are not those of the world, or its floor is too small.
     """
     world, pitch, body = plan.world, plan.pitch_m, body_m(scenario)
+    check_waypoints(world.cells, "a world of", source, "layout")
     if pitch <= BESIDE * body:
         raise InputError(source, "layout.pitch_m", pitch, f"more than {BESIDE * body:g} m, for bodies of {body:g} m")
     for key, found, drawn in (

@@ -5,9 +5,35 @@ from __future__ import annotations
 import numpy as np
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import MapLayout
+from soup_msgs_py.floor_plan import CellsLayout, MapLayout
 from soup_msgs_py.scenario import Scenario
 from soup_sim.layouts.draft import Draft, body_m
+
+MOST_WAYPOINTS = 100_000  # the ways to every station are computed before a run begins: some seconds for 20,000
+MOST_STOCK = 50_000_000  # kinds of tiles times buckets: the books of the stock
+MOST_TILES = 5_000_000  # in all buckets
+
+
+def check_size(scenario: Scenario, source: object) -> None:
+    """Refuse a warehouse that is too large for anybody's patience or memory before anything of it is made."""
+    plan, floor = scenario.layout, scenario.floor
+    if not isinstance(plan, CellsLayout | MapLayout):  # whose places are drawn one by one
+        places = int(floor.width_m / plan.pitch_m) * int(floor.height_m / plan.pitch_m)
+        check_waypoints(places, f"{floor.width_m:g} by {floor.height_m:g} m with", source, "floor")
+    kinds, buckets, capacity = scenario.tile_kinds, scenario.buckets, scenario.bucket.capacity
+    if kinds * buckets > MOST_STOCK:
+        found = f"{kinds:,} kinds of tiles in {buckets:,} buckets"
+        raise InputError(source, "colours", found, f"kinds times buckets of at most {MOST_STOCK:,}")
+    if capacity * buckets > MOST_TILES:
+        found = f"{buckets:,} buckets of {capacity:,} tiles"
+        raise InputError(source, "bucket.capacity", found, f"buckets times capacity of at most {MOST_TILES:,}")
+
+
+def check_waypoints(places: int, found: str, source: object, key: str) -> None:
+    """Refuse more waypoints than there may be."""
+    if places > MOST_WAYPOINTS:
+        allowed = f"at most {MOST_WAYPOINTS:,}: a smaller floor, or a larger layout.pitch_m"
+        raise InputError(source, key, f"{found} {places:,} waypoints", allowed)
 
 
 def check_pitch(scenario: Scenario, source: object) -> None:

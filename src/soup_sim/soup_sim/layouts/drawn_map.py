@@ -10,6 +10,7 @@ from soup_msgs_py.errors import InputError
 from soup_msgs_py.files import read_text
 from soup_msgs_py.floor_plan import MapLayout
 from soup_msgs_py.scenario import Scenario
+from soup_sim.layouts.checks import check_waypoints
 from soup_sim.layouts.draft import Draft, Indices, body_m
 
 CHARACTERS = ".><^vSLW#"
@@ -39,6 +40,7 @@ def drawn_map(scenario: Scenario, plan: MapLayout, source: object) -> Draft:
     path = Path(plan.path)
     drawn = _read(path, source)
     height, width = drawn.shape
+    check_waypoints(drawn.size, "a map of", path, "")
     body = body_m(scenario)
     needed = (width - 1) * plan.pitch_m + body, (height - 1) * plan.pitch_m + body
     if needed[0] > scenario.floor.width_m or needed[1] > scenario.floor.height_m:

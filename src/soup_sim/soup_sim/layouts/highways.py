@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -32,15 +34,16 @@ def change_edges(draft: Draft, plan: Layout_, body: float, source: object) -> No
     Raises:
         InputError: No waypoint or edge is where one is needed, or a new edge passes a resting bucket.
     """
+    tree = cKDTree(draft.waypoints) if plan.edges else None
     for index, edge in enumerate(plan.edges):
-        _add_edge(draft, edge, plan.pitch_m, body, f"layout.edges.{index}", source)
+        _add_edge(draft, edge, plan.pitch_m, body, tree, f"layout.edges.{index}", source)
     for index, highway in enumerate(plan.highways):
         _apply_highway(draft, highway, plan.pitch_m, f"layout.highways.{index}", source)
 
 
-def _add_edge(draft: Draft, edge: Edge, pitch: float, body: float, key: str, source: object) -> None:
-    a = _waypoint_at(draft, edge.start, pitch, f"{key}.start", source)
-    b = _waypoint_at(draft, edge.end, pitch, f"{key}.end", source)
+def _add_edge(draft: Draft, edge: Edge, pitch: float, body: float, tree: Any, key: str, source: object) -> None:
+    a = _waypoint_at(draft, tree, edge.start, pitch, f"{key}.start", source)
+    b = _waypoint_at(draft, tree, edge.end, pitch, f"{key}.end", source)
     if a == b:
         raise InputError(source, f"{key}.end", "the waypoint of start", "another waypoint")
     closed = draft.is_spot.copy()
@@ -76,8 +79,8 @@ def _apply_highway(draft: Draft, highway: Highway, pitch: float, key: str, sourc
         draft.keep_edges(~against_it)
 
 
-def _waypoint_at(draft: Draft, place: tuple[float, float], pitch: float, key: str, source: object) -> int:
-    distance, waypoint = cKDTree(draft.waypoints).query(place)
+def _waypoint_at(draft: Draft, tree: Any, place: tuple[float, float], pitch: float, key: str, source: object) -> int:
+    distance, waypoint = tree.query(place)
     if distance > _TOLERANCE * pitch:
         x, y = draft.waypoints[waypoint]
         found = f"no waypoint at ({place[0]:g}, {place[1]:g})"
