@@ -150,6 +150,7 @@ class BotHost:
         steering, another = (load_policy(self._choice, "bot", KNOWN, Steering) for _ in range(2))
         rehearse(announcement.scenario, announcement.layout, another, np.random.default_rng(self._seed))
         crew = Crew(announcement.scenario, announcement.layout, tuple(sorted(self._bots)), steering, rng)
+        crew.mistakes.tell = self._report.mistake
         self._next_sense = announcement.time + crew.sense_offset_s
         return crew
 

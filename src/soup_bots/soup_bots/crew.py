@@ -35,6 +35,7 @@ from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets, DriveGoal, Event, FollowPath, SetVelocities, Snapshot
 from soup_msgs_py.mind import NEVER, Message
+from soup_msgs_py.mistakes import Mistakes
 from soup_msgs_py.scenario import Scenario
 
 GOLDEN = 0.6180339887498949  # multiples of it, without their integer part, are never close
@@ -67,6 +68,7 @@ class Crew:
         minds: The minds, by number of the bot.
         next_wake: Simulated time (s) when `wake` is due.
         sense_period_s: Simulated seconds between two calls of `sense`: a bot drives its own radius in it.
+        mistakes: What its steering chose that cannot be.
         sense_offset_s: When the first call is due. Crews in different processes do not know each other's intentions;
             looking at different moments keeps them from evading to the same side for ever.
         lost: As in `Mind`: never, for events tell it no more than what befalls its bots.
@@ -97,6 +99,7 @@ class Crew:
         self.next_wake = NEVER
         self._layout, self._penalty_s = layout, body.collision_penalty_s
         self.minds = {bot: self._mind(bot) for bot in bots}
+        self.mistakes = Mistakes()
         self._steering = steering
         steering.rng = rng
         self._senses: Senses | None = None
@@ -346,7 +349,21 @@ class Crew:
             bots.heading,
             self._contents.seen(buckets),
         )
-        return steering.steer(view)
+        return self._checked(steering.steer(view), steering, len(rows))
+
+    def _checked(self, steer: Steer, steering: Steering, rows: int) -> Steer:
+        """What a steering decided, those without a velocity standing still."""
+        if any(len(values) != rows for values in (steer.mode, steer.vx, steer.vy, steer.reason, steer.other)):
+            self.mistakes.add("bot", steering, "something for other bots than it was asked for", f"not {rows}")
+            return follow_all(rows)
+        if not np.isfinite(steer.vx + steer.vy).all():
+            wrong = ~(np.isfinite(steer.vx) & np.isfinite(steer.vy))
+            first = int(wrong.argmax())
+            velocity = f"({steer.vx[first]:g}, {steer.vy[first]:g}) m/s"
+            self.mistakes.add("bot", steering, "a velocity that is no number", velocity)
+            steer.vx = np.where(wrong, 0.0, steer.vx)
+            steer.vy = np.where(wrong, 0.0, steer.vy)
+        return steer
 
     def _apply(self, rows: NDArray[np.int64], steer: Steer, bots: Bots, now: float, out: list[Message]) -> None:
         """Tell what has changed by the steering's word."""

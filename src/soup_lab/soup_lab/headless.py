@@ -92,6 +92,11 @@ class Headless:
             self._say(mind, mind.handle(snapshot, world.now))
         self._carry()
 
+    @property
+    def mistakes(self) -> dict[str, int]:
+        """What policies chose that cannot be, and how often."""
+        return {line: count for mind in self._all for line, count in mind.mistakes.counts.items()}
+
     def run(self, until: float) -> None:
         """Run on to a simulated time."""
         world, crew = self.world, self.crew

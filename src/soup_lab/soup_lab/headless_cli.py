@@ -12,7 +12,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from soup_lab.headless import Headless, make_minds
-from soup_lab.runs import RunPlan, Summary, combine, run_many, run_once
+from soup_lab.runs import MISTAKES, RunPlan, Summary, combine, run_many, run_once
 from soup_msgs_py import arguments as args
 from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError, RunError
@@ -97,6 +97,8 @@ def main(argv: list[str] | None = None) -> int:
 def _end(options: argparse.Namespace, summary: Summary, shown: Table) -> int:
     """Write the summary, then show the table: a screen may fail; the exit status."""
     written = write_summary(options.summary, summary)
+    for line, count in summary.get(MISTAKES, {}).items():
+        print(f"{line}: {count} times", file=sys.stderr)
     Console().print(shown)
     return 0 if written and summary["violations"] == 0 else 1
 
@@ -128,6 +130,9 @@ def _what_if(options: argparse.Namespace, console: Console) -> int:
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
+    except RunError as error:
+        print(error, file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("stopped before the end; no summary", file=sys.stderr)
         return 130

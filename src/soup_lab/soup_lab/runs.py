@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -12,6 +13,7 @@ from scipy.stats import t as student
 from soup_lab.headless import Headless
 from soup_lab.pool import share_out
 from soup_managers.explain import write_lines
+from soup_msgs_py.blame import blaming
 from soup_msgs_py.messages import Event
 from soup_msgs_py.output_files import Lines
 from soup_msgs_py.policies import Policies
@@ -23,6 +25,7 @@ from soup_sim.validate import Judge
 from soup_sim.world import World
 
 JUDGED_EVERY_S = 10.0  # simulated seconds between two looks of the judge at all places
+MISTAKES = "policy_mistakes"  # the key of a summary that only those of runs with some have
 Progress = Callable[[Headless], None]
 Summary = dict[str, Any]
 
@@ -37,6 +40,7 @@ class RunPlan:
     warmup_s: float = 0.0
 
 
+@blaming()
 def run_once(
     plan: RunPlan,
     seed: int,
@@ -56,7 +60,10 @@ def run_once(
         world: A world to go on with, as a checkpoint restored it; without: a new one.
 
     Returns:
-        The summary.
+        The summary; with `policy_mistakes` where policies chose what cannot be: what, and how often.
+
+    Raises:
+        RunError: A policy failed; where in its file.
     """
     warehouse = plan.warehouse
     judges: list[Judge] = []
@@ -85,7 +92,8 @@ def run_once(
             progress(run)
     judges[0].finish(world.snapshot())
     figures = world.statistics(time.perf_counter() - started)
-    return make_summary(figures, warehouse.scenario, plan.policies, seed, judges[0].count)
+    summary = make_summary(figures, warehouse.scenario, plan.policies, seed, judges[0].count)
+    return {**summary, MISTAKES: run.mistakes} if run.mistakes else summary
 
 
 def run_many(plan: RunPlan, seeds: list[int], processes: int | None = None) -> Iterator[Summary]:
@@ -111,6 +119,8 @@ def combine(summaries: list[Summary]) -> Summary:
     means: Summary = {}
     widths: dict[str, float] = {}
     for key, value in first.items():
+        if key == MISTAKES:
+            continue
         values = [float(summary[key]) for summary in summaries if isinstance(summary[key], (int, float))]
         if values and key not in ("seed", "violations"):
             n = len(values)  # a figure may have no value in some
@@ -121,6 +131,9 @@ def combine(summaries: list[Summary]) -> Summary:
         else:
             means[key] = value
     means["violations"] = sum(summary["violations"] for summary in summaries)
+    mistakes = sum((Counter(summary.get(MISTAKES, {})) for summary in summaries), Counter[str]())
+    if mistakes:
+        means[MISTAKES] = dict(mistakes)
     means["interval_95"] = widths
     means["replications"] = summaries
     return means

@@ -10,7 +10,7 @@ from soup_managers.fleet_state import FleetState
 from soup_managers.fleet_tasks import Task, common_tiles, goal_tiles
 from soup_managers.manager import Manager
 from soup_managers.plan_check import check_plan
-from soup_managers.plans import Key, TripPlan
+from soup_managers.plans import Key, PlanError, TripPlan
 from soup_managers.policies.fleet import FleetPolicy
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
@@ -270,7 +270,7 @@ class FleetManager(Manager):
         if self.view.ready and not self.view.lost and knows_all:
             if (fleet.free_bots or fleet.loaded_bots) and self._book.queue:
                 for plan in self._policy.plan(fleet):
-                    check_plan(plan, fleet)
+                    self._check(plan)
                     if not self._start(plan, now, said):
                         for letter in (letter for visit in plan.visits for letter in visit.letters):
                             fleet.defer(letter, f"no way leads to {self._layout.station_name(letter.station)}")
@@ -284,6 +284,14 @@ class FleetManager(Manager):
         if self._resting or self._doubted:
             self.next_wake = min([self.next_wake, *self._resting.values(), *self._doubted.values()])
         return said
+
+    def _check(self, plan: TripPlan) -> None:
+        try:
+            check_plan(plan, self._fleet)
+        except PlanError as error:
+            raise PlanError(
+                f"fleet policy {type(self._policy).__name__} planned a trip that cannot be: {error}"
+            ) from error
 
     def _start(self, plan: TripPlan, now: float, said: list[Message]) -> bool:
         trip = self._fleet.start(plan, self._trips_asked, now)

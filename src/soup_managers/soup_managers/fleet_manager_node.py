@@ -124,6 +124,7 @@ class FleetManagerNode:
         view = WarehouseView(world.scenario, world.layout)
         rng = role_rng("fleet", self._seed)
         self._fleet = make_fleet(world.scenario, world.layout, policy, view, rng, self._explain)
+        self._fleet.mistakes.tell = self._report.mistake
         return self._fleet
 
     def _begin(self) -> None:

@@ -12,7 +12,7 @@ from soup_managers.station_manager import StationManager
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.layout import Floats, Layout
-from soup_msgs_py.messages import STORE, AssignBundle, Event, StoreGoal
+from soup_msgs_py.messages import STORE, AssignBundle, AssignWord, Event, StoreGoal
 from soup_msgs_py.mind import Message
 from soup_msgs_py.scenario import Scenario
 
@@ -26,6 +26,7 @@ class LetterManager(StationManager):
     """Stages bundles where a letter station has a place free; each staged bundle is a task of the fleet."""
 
     kind = STORE
+    role = "letter"
 
     def __init__(
         self,
@@ -50,7 +51,7 @@ class LetterManager(StationManager):
         """
         words = len(layout.word_stations)
         super().__init__(view, range(words, words + len(layout.letter_stations)), explain)
-        self._policy = policy
+        self.policy = policy
         policy.explain = self._explain
         self._rng = rng
         self._target = tile_profile * (scenario.initial_inventory * scenario.buckets * scenario.bucket.capacity)
@@ -83,4 +84,14 @@ class LetterManager(StationManager):
 
     def choose(self, free: list[int]) -> AssignBundle | None:
         """What the letter policy says."""
-        return self._policy.choose(self.view, free, self._target, self._rng)
+        return self.policy.choose(self.view, free, self._target, self._rng)
+
+    def problem(self, choice: AssignWord | AssignBundle) -> str:
+        """Only a bundle that waits can be staged or, where bundles are chosen, a new one of a kind that there is."""
+        if not isinstance(choice, AssignBundle):
+            return "what is no bundle"
+        if choice.bundle >= 0:
+            return "" if choice.bundle in self.view.waiting_bundles else "a bundle that does not wait"
+        if self.view.scenario.bundles.kind != "chosen":
+            return "a new bundle, where bundles come by themselves"
+        return "" if 0 <= choice.tile < self.view.kinds else "a kind of tile that there is not"

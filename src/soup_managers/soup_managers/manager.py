@@ -9,6 +9,7 @@ from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Event, Snapshot
 from soup_msgs_py.mind import EVERYTHING, NEVER, Message
+from soup_msgs_py.mistakes import Mistakes
 
 
 class Manager:
@@ -17,11 +18,13 @@ class Manager:
     Attributes:
         view: What it knows of the world; where `view.lost`, a new snapshot has to be asked for.
         next_wake: As in `Mind`.
+        mistakes: What its policies chose that cannot be.
     """
 
     def __init__(self, view: WarehouseView) -> None:
         self.view = view
         self.next_wake = NEVER
+        self.mistakes = Mistakes()
         # events up to here are in this manager's books; a shared view may be ahead of them
         self._sequence = -1
         self._resets = 0

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
+from soup_msgs_py.errors import RunError
+
 Key = tuple[str, int]  # DELIVER and a word, or STORE and a bundle
 
 
@@ -56,5 +58,5 @@ class TripPlan:
     spot: int
 
 
-class PlanError(ValueError):
+class PlanError(RunError):
     """A fleet policy planned what cannot be."""

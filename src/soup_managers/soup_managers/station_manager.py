@@ -21,6 +21,8 @@ class StationManager(Manager):
     """
 
     kind: str
+    role: str
+    policy: object
 
     def __init__(self, view: WarehouseView, stations: range, explain: Explain | None) -> None:
         super().__init__(view)
@@ -40,6 +42,10 @@ class StationManager(Manager):
 
     def choose(self, free: list[int]) -> AssignWord | AssignBundle | None:
         """The next job and one of the stations with a free place for it, or None for no job now."""
+        raise NotImplementedError
+
+    def problem(self, choice: AssignWord | AssignBundle) -> str:
+        """What is wrong with the job of a choice; empty for nothing."""
         raise NotImplementedError
 
     def on_world(self, now: float) -> list[Message]:
@@ -68,7 +74,7 @@ class StationManager(Manager):
             places = self.view.free_places
             free = [station for station in self._stations if places[station] > 0]
             self._explain.now = now
-            choice = self.choose(free) if free else None
+            choice = self._checked(self.choose(free), free) if free else None
             if choice is not None:
                 self._request.send(choice, now)
                 asked.append(choice)
@@ -76,6 +82,21 @@ class StationManager(Manager):
                 self._request.rest(now)
         self._set_alarm()
         return asked
+
+    def _checked(self, choice: AssignWord | AssignBundle | None, free: list[int]) -> AssignWord | AssignBundle | None:
+        """A choice that the world can carry out; None for one that it cannot, which is noted."""
+        if choice is None:
+            return None
+        if not isinstance(choice, AssignWord | AssignBundle):
+            problem = "what is no request to the world"
+        elif choice.station not in free:
+            problem = "a station without a free place"
+        else:
+            problem = self.problem(choice)
+        if problem:
+            self.mistakes.add(self.role, self.policy, problem, choice)
+            return None
+        return choice
 
     def assigned(self, event_job: int, station: int, tile: int, now: float) -> list[Message]:
         """A job came onto a station, by whomever: have it done, and go on."""

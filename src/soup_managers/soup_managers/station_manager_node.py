@@ -11,6 +11,7 @@ import numpy as np
 from soup_msgs import msg
 
 from soup_managers.explain import Explain, write_lines
+from soup_managers.station_manager import StationManager
 from soup_msgs_py import mail, topics
 from soup_msgs_py.arguments import Parser, add_explain, seed
 from soup_msgs_py.codes import Code
@@ -53,7 +54,7 @@ class StationManagerNode:
         live: Live,
         name: str,
         kind: str,
-        make_mind: Callable[[Announcement], Mind],
+        make_mind: Callable[[Announcement], StationManager],
         *,
         service: tuple[Any, str],
         action: tuple[Any, str],
@@ -85,8 +86,14 @@ class StationManagerNode:
         self._waits_for_world = f"waits for the world (nobody serves {service[1]})"
         self._report = Report(live, node)
         self._report.values = {"policy": policy}
+
+        def make(world: Announcement) -> Mind:
+            mind = make_mind(world)
+            mind.mistakes.tell = self._report.mistake
+            return mind
+
         self._charge = InCharge(live, node, self._report, policy, take_over=take_over)
-        self._follower = Follower(live, node, self._report, make_mind, self._carry, self._missing)
+        self._follower = Follower(live, node, self._report, make, self._carry, self._missing)
         if kind == DELIVER:
             live.subscribe(node, msg.Bound, topics.BOUND, self._on_bound, LATCHED)
         live.every(LOOK_FOR_FLEET_S, self._fleet.look)

@@ -12,7 +12,7 @@ from soup_managers.station_manager import StationManager
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.layout import Layout
-from soup_msgs_py.messages import DELIVER, AssignWord, Bound, DeliverGoal, Event
+from soup_msgs_py.messages import DELIVER, AssignBundle, AssignWord, Bound, DeliverGoal, Event
 from soup_msgs_py.mind import Message
 from soup_msgs_py.scenario import Scenario
 
@@ -23,6 +23,7 @@ class WordManager(StationManager):
     """Opens waiting words where a word station has a place free; each open word is a task of the fleet."""
 
     kind = DELIVER
+    role = "word"
 
     def __init__(
         self,
@@ -34,7 +35,7 @@ class WordManager(StationManager):
         explain: Explain | None = None,
     ) -> None:
         super().__init__(view, range(len(layout.word_stations)), explain)
-        self._policy = policy
+        self.policy = policy
         policy.explain = self._explain
         self._rng = rng
         self._handlers |= {Bound: self._handle_bound}
@@ -64,7 +65,12 @@ class WordManager(StationManager):
 
     def choose(self, free: list[int]) -> AssignWord | None:
         """What the word policy says, where words wait."""
-        return self._policy.choose(self.view, free, self._rng) if self.view.waiting_words else None
+        return self.policy.choose(self.view, free, self._rng) if self.view.waiting_words else None
+
+    def problem(self, choice: AssignWord | AssignBundle) -> str:
+        """Only a word that waits can be opened."""
+        is_there = isinstance(choice, AssignWord) and choice.word in self.view.waiting_words
+        return "" if is_there else "a word that does not wait"
 
     def _handle_bound(self, bound: Bound, now: float) -> list[Message]:
         stations: dict[int, list[int]] = {}

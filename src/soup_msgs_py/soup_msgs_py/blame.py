@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import sysconfig
 import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+from soup_msgs_py.errors import InputError, RunError, printable
 
 _OURS = Path(__file__).resolve().parents[2]
 _LIBRARIES = tuple({Path(path).resolve() for path in sysconfig.get_paths().values()})
@@ -14,7 +18,24 @@ def told(error: BaseException) -> str:
     """An exception in one line: what it says, and the last line of a person's code that it came through."""
     said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
     place = where(error)
-    return f"{said} ({place})" if place else said
+    return printable(f"{said} ({place})" if place else said, 1_000)
+
+
+@contextmanager
+def blaming() -> Iterator[None]:
+    """Tell what a person's own code, a policy, raises during a run in one line with its file and line.
+
+    Raises:
+        RunError: It did; `SystemExit` is no way to end a run either.
+    """
+    try:
+        yield
+    except (InputError, RunError):
+        raise
+    except (Exception, SystemExit) as error:
+        if not where(error):
+            raise  # a fault of the warehouse itself
+        raise RunError(f"a policy failed: {told(error)}") from error
 
 
 def where(error: BaseException) -> str:

@@ -10,10 +10,12 @@ from soup_managers.coordination.digging import Digging, Mask
 from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Purpose, Robot
+from soup_managers.coordination.scores import Scores
 from soup_managers.coordination.situation import Fill, Situation, Want
 from soup_managers.explain import Explain
 from soup_managers.policies.coordinated import Coordinated
 from soup_msgs_py.layout import Ints
+from soup_msgs_py.mistakes import Mistakes
 
 TRIES = 8  # buckets that are looked at for a station
 UNREACHABLE_S = 5.0  # how long a bucket is left alone after no way led to it
@@ -55,9 +57,18 @@ class Fetching:
     """Matches stations that run out of work with buckets, and those with idle bots, by the policies' scores."""
 
     def __init__(
-        self, situation: Situation, policy: Coordinated, places: Places, digging: Digging, explain: Explain
+        self,
+        situation: Situation,
+        policy: Coordinated,
+        places: Places,
+        digging: Digging,
+        explain: Explain,
+        mistakes: Mistakes,
     ) -> None:
         self._situation, self._policy, self._places, self._digging = situation, policy, places, digging
+        self._bot_costs = Scores(mistakes, "bots", policy.bots, np.inf)
+        self._bucket_scores = Scores(mistakes, "buckets", policy.buckets, 0.0)
+        self._fill_scores = Scores(mistakes, "fills", policy.fills, 0.0)
         self._explain = explain
         self._diggers: dict[int, Robot] = {}  # who clears the way to a bucket, by the station that wants it
         self._not_before = np.zeros(situation.view.scenario.buckets)  # when each bucket may be thought of again (s)
@@ -107,8 +118,10 @@ class Fetching:
         bots = np.array(idle, np.int32)[free]
         free = free[free]
         places = [self._spot_xy(want.bucket) for want in others]
-        costs = self._policy.bots.match(situation, bots, places) if len(bots) else []
-        for want, cost in zip(others, costs, strict=False):
+        if not len(bots):
+            return fetches
+        costs = self._policy.bots.match(situation, bots, places)
+        for want, cost in zip(others, self._bot_costs.of_all(costs, len(others), len(bots)), strict=True):
             usable = np.where(free, cost, np.inf)
             if not np.isfinite(usable).any():
                 break
@@ -145,12 +158,17 @@ class Fetching:
         """A bucket for each station, where there is one."""
         situation, policy = self._situation, self._policy
         words = [demand.needs for demand in demands if isinstance(demand.needs, Want)]
-        word_scores = iter(policy.buckets.match(situation, words) if words else [])
+        scored = policy.buckets.match(situation, words) if words else []
+        buckets = len(situation.free_buckets)
+        word_scores = self._bucket_scores.of_all(scored, len(words), buckets)
         depths = self._digging.depths()[np.maximum(situation.spot_of, 0)]
         chosen: dict[int, Wanted] = {}
         for demand in demands:
             needs, station = demand.needs, demand.needs.station
-            scores = next(word_scores) if isinstance(needs, Want) else policy.fills.score(situation, needs)
+            if isinstance(needs, Want):
+                scores = next(word_scores)
+            else:
+                scores = self._fill_scores.of(policy.fills.score(situation, needs), buckets)
             scores = np.where(demand.allowed, scores, 0.0)
             if self._digging.needed:
                 scores = scores * DIG_DISCOUNT**depths

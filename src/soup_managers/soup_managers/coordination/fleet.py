@@ -19,6 +19,7 @@ from soup_managers.coordination.lines import FAR_S, Lines, spots_near
 from soup_managers.coordination.lowest import lowest
 from soup_managers.coordination.places import Places
 from soup_managers.coordination.robots import Activity, Purpose, Robot
+from soup_managers.coordination.scores import Scores
 from soup_managers.coordination.settling import Settling
 from soup_managers.coordination.situation import Situation
 from soup_managers.coordination.watch import Watch
@@ -92,7 +93,9 @@ class CoordinatedFleet(Manager):
         self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
         self._places = Places(layout, scenario.bots)
         self._digging = Digging(layout, self._places)
-        self._fetching = Fetching(self.situation, policy, self._places, self._digging, self._explain)
+        self._fetching = Fetching(self.situation, policy, self._places, self._digging, self._explain, self.mistakes)
+        self._onward_scores = Scores(self.mistakes, "onward", policy.onward, 0.0)
+        self._storage_costs = Scores(self.mistakes, "storage", policy.storage, np.inf)
         self._waiting_spots = spots_near(self.situation.docks, self._places.spots, self._traffic)
         self._kept_free = np.zeros(len(layout.waypoints), bool)
         self._kept_free[[spot for spots in self._waiting_spots for spot in spots]] = True
@@ -653,7 +656,7 @@ class CoordinatedFleet(Manager):
         return self.situation.room(robot.bucket) > KEEP_ROOM * self.situation.stock.capacity
 
     def _serve_on(self, robot: Robot, now: float) -> bool:
-        scores = self._policy.onward.score(self.situation, robot)
+        scores = self._onward_scores.of(self._policy.onward.score(self.situation, robot), len(self.situation.docks))
         station = self._go_on(robot, scores, now)
         self._explain.choice("onward", station, scores, bot=robot.number, bucket=robot.bucket)
         return station >= 0
@@ -691,7 +694,7 @@ class CoordinatedFleet(Manager):
             return
         travel = self._traffic.times_from(robot.waypoint)[spots]
         costs = self._policy.storage.cost(situation, robot.bucket, spots, travel)
-        costs = costs + BURIED_S * self._digging.buried(spots)
+        costs = self._storage_costs.of(costs, len(spots)) + BURIED_S * self._digging.buried(spots)
         costs = np.where(np.isfinite(travel), costs, np.inf)
         before = robot.purpose
         robot.purpose = Purpose.STORE

@@ -23,6 +23,7 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
+from soup_msgs_py.blame import blaming
 from soup_msgs_py.display import display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain_id import domain_id
@@ -330,7 +331,7 @@ class _Periodic:
 def exit_status(main: Callable[[], int | None]) -> int:
     """Run a program's main function; its exit status: 0 done, 1 the run failed, 2 the input is wrong."""
     try:
-        with display():
+        with display(), blaming():
             return main() or 0
     except InputError as error:
         print(error, file=sys.stderr)

@@ -55,6 +55,12 @@ class Report:
         """The process does what it is there for."""
         self._set(AT_WORK, waits=False)
 
+    def mistake(self, text: str) -> None:
+        """A policy of the process has chosen what cannot be: say it, on stderr and from now on in the report."""
+        self.values["mistake"] = text
+        print(f"{self._live.name}: {text}", file=sys.stderr, flush=True)
+        self._publish()
+
     def _set(self, message: str, *, waits: bool) -> None:
         if (message, waits) != (self._message, self._waits):
             self._message, self._waits = message, waits
