@@ -59,6 +59,7 @@ class Setup:
 
     def run(self) -> None:
         """Do what is out of date, in order."""
+        self.refuse_if_the_path_is_no_good()
         self.base = choose_interpreter()
         self.refuse_if_something_is_missing()
         began = time.monotonic()
@@ -71,6 +72,16 @@ class Setup:
         write(env.site_packages() / "soup_sources.pth", env.source_folders())
         self.compile_kernels()
         self.line.show(f"Set-up done in {time.monotonic() - began:.0f} s.")
+
+    def refuse_if_the_path_is_no_good(self) -> None:
+        """Name what the path of the project holds that shells, CMake or lists of paths take for something else."""
+        wrong = sorted(set(re.findall(r"[^A-Za-z0-9 _.+@/-]", str(env.ROOT))))
+        if wrong:
+            held = " ".join(ascii(character) for character in wrong)
+            raise StepFailedError(
+                f"the folder {str(env.ROOT)!a} has {held} in its path, which the build tools cannot take. "
+                "Move it to one of letters a to z, digits, spaces and _ . + @ -"
+            )
 
     def refuse_if_something_is_missing(self) -> None:
         """Name everything the machine lacks and the one command that installs it."""

@@ -125,6 +125,16 @@ def test_a_missing_venv_module_is_named_with_the_command_that_installs_it(paths:
         setup.refuse_if_something_is_missing()
 
 
+@pytest.mark.parametrize("name", ["a$b", "a'b", 'a"b', "a;b", "a:b", "a\\b", "käfig", "a\nb"])
+def test_a_path_that_the_build_tools_cannot_take_is_told_before_anything_is_fetched(clone: Path, name: str):
+    process = start(clone.rename(clone.with_name(name)))
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (1, "")
+    assert err.startswith("Set-up failed: the folder ") and err.count("\n") == 1
+    assert f"has {name.strip('abkfig')!a} in its path" in err
+    assert not (clone.with_name(name) / ".venv").exists()
+
+
 def test_an_unsupported_python_is_refused_unless_another_is_there(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.setattr(sys, "version_info", (3, 9, 1))
     monkeypatch.setenv("PATH", str(tmp_path))
