@@ -15,6 +15,7 @@ from soup_msgs_py.messages import (
     BotStatus,
     CancelDrive,
     CancelTrip,
+    DriveFeedback,
     DriveGoal,
     DriveResult,
     Event,
@@ -404,3 +405,26 @@ def test_a_new_drive_takes_the_place_of_the_path_of_the_mind_before(mind):
     assert mind.handle(reply(FollowPath(mind.bot, 77, ()), Code.REPLACED), 12.0) == []
     assert mind.next_wake == NEVER
     assert only(mind.handle(reply(path), 30.0), DriveResult).code is Code.DONE
+
+
+def test_a_drive_says_how_far_it_is_and_what_the_bot_waits_for(mind):
+    mind.place = (1.0, 1.0)
+    begins = only(mind.handle(DriveGoal(3, 5, ((4.0, 5.0), (4.0, 9.0))), 0.0), DriveFeedback)
+    assert (begins.drive, begins.phase, begins.distance_m) == (5, Phase.DRIVING, 9.0)
+    assert begins.message == "drives to (4.0, 9.0)"
+    waits = only(mind.waits("bot 7 stands in its way", 1.0), DriveFeedback)
+    assert waits.message.endswith("bot 7 stands in its way")
+    mind.corner, mind.place = 1, (4.0, 6.0)
+    goes_on = only(mind.waits("", 2.0), DriveFeedback)
+    assert (goes_on.message, goes_on.distance_m) == ("drives to (4.0, 9.0)", 3.0)
+    struck = only(mind.collided(3.0), DriveFeedback)
+    assert "collision" in struck.message
+    out = mind.handle(CancelDrive(3, 5), 4.0)
+    assert [m for m in out if isinstance(m, DriveFeedback)] == []
+    assert [m for m in mind.waits("on its own", 5.0) if isinstance(m, DriveFeedback)] == []
+
+
+def test_a_drive_is_told_of_from_its_beginning(world):
+    world.tell(DriveGoal(0, 5, ((20.0, 5.0), (20.0, 20.0))))
+    assert world.run(20, lambda: bool(said(world, DriveResult)))
+    assert said(world, DriveFeedback)[0].message == "drives to (20.0, 20.0)"

@@ -1,5 +1,7 @@
 """The coordinated fleet keeps its bots apart and at work, also where messages are slow and things go wrong."""
 
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -101,3 +103,63 @@ def test_no_bucket_is_set_down_where_a_storage_spot_was_taken_away():
     assert places & {
         (round(e.x, 3), round(e.y, 3)) for e in run.events if e.type is EventType.RELEASED and e.time > 600
     }
+
+
+def test_a_task_tells_whenever_it_waits_for_something_else_or_has_come_further():
+    run = SlowWires(0.0, 0.0, 4)
+    told: dict[tuple[str, int], list[m.TaskFeedback]] = {}
+    assert isinstance(run.fleet, CoordinatedFleet)
+    handle = run.word.handle
+
+    def hear(message, now):
+        if isinstance(message, m.TaskFeedback):
+            told.setdefault((message.kind, message.task), []).append(message)
+        return handle(message, now)
+
+    run.word.handle = hear
+    for _ in range(120):
+        run.run(run.world.now + 1.0)
+        for task in run.fleet.tasks():
+            heard = told.get((task.kind, task.task))
+            if task.kind == m.DELIVER and heard:
+                assert len(heard[-1].missing) >= len(task.tiles)
+    reasons = {feedback.message for heard in told.values() for feedback in heard}
+    assert {"", "all bots are busy"} <= reasons
+    for heard in told.values():
+        told_of = [(feedback.message, feedback.missing) for feedback in heard]
+        assert all(before != after for before, after in pairwise(told_of))
+    assert any(len(heard[-1].missing) < len(heard[0].missing) for heard in told.values())
+
+
+def test_the_newest_reason_of_every_task_has_been_told_a_second_later():
+    run = SlowWires(0.0, 0.0, 4)
+    assert isinstance(run.fleet, CoordinatedFleet)
+    newest: dict[int, str] = {}
+    handle = run.word.handle
+
+    def hear(message, now):
+        if isinstance(message, m.TaskFeedback):
+            newest[message.task] = message.message
+        return handle(message, now)
+
+    run.word.handle = hear
+    late: dict[int, float] = {}  # tasks whose newest reason is not told, and since when
+    for _ in range(240):
+        run.run(run.world.now + 0.25)
+        now = run.world.now
+        tasks = {task.task: task.message for task in run.fleet.tasks() if task.kind == m.DELIVER}
+        late = {task: late.get(task, now) for task, why in tasks.items() if newest.get(task) != why}
+        assert all(now - since <= 1.5 for since in late.values())
+
+
+def test_a_goal_that_comes_before_its_word_is_opened_is_told_and_can_be_taken_back_or_replaced():
+    run = SlowWires(0.0, 0.0, 4)
+    run.run(5.0)
+    word = next(iter(run.fleet.view.waiting_words.values()))
+    goal = m.DeliverGoal(70_001, 0, word.word, word.tiles)
+    assert [type(said) for said in run.fleet.handle(goal, run.world.now)] == [m.TaskFeedback]
+    said = run.fleet.handle(replace(goal, task=70_002), run.world.now)
+    assert [(type(s), s.task) for s in said] == [(m.TaskFeedback, 70_002), (m.TaskResult, 70_001)]
+    assert said[1].code is Code.REPLACED
+    (result,) = run.fleet.handle(m.CancelTask(m.DELIVER, 70_002), run.world.now)
+    assert result.code is Code.CANCELLED

@@ -23,6 +23,7 @@ from soup_msgs_py.messages import (
     BotStatus,
     CancelDrive,
     CancelTrip,
+    DriveFeedback,
     DriveResult,
     FollowPath,
     Release,
@@ -131,6 +132,12 @@ class BotNode:
         """End a trip's goal."""
         for handle in self._trips.pop(result.trip, ()):
             self._trip_server.finish(handle, result.code, result.message)
+
+    def tell_drive(self, feedback: DriveFeedback) -> None:
+        """Publish how far a drive has come, where it was asked for by a goal."""
+        handle = self._drives.get(feedback.drive)
+        if handle is not None:
+            handle.publish_feedback(to_ros(feedback))
 
     def end_drive(self, result: DriveResult) -> None:
         """End a drive's goal."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
+from itertools import pairwise
 
 from soup_bots.passing import corner_ahead
 from soup_msgs_py.codes import Phase
 from soup_msgs_py.layout import Layout
-from soup_msgs_py.messages import BotStatus, FollowPath, Point, Trip, TripFeedback
+from soup_msgs_py.messages import BotStatus, DriveFeedback, FollowPath, Point, Trip, TripFeedback
 from soup_msgs_py.mind import NEVER, Message
 
 LOOK_AGAIN_S = 20.0  # simulated: between two looks whether the body still works for a mind before
@@ -172,7 +174,18 @@ class Driver:
         return self._last_request
 
     def _tell(self, now: float) -> list[Message]:
-        return [self._status(now)] if self.trip is None else [self._status(now), self._feedback()]
+        said: list[Message] = [self._status(now)]
+        if self.trip is not None:
+            said.append(self._feedback())
+        elif self._drive >= 0:
+            said.append(DriveFeedback(self.bot, self._drive, self.phase, self._message, self._left_m()))
+        return said
+
+    def _left_m(self) -> float:
+        """How far it is to the end of the drive (m), from where the bot was last known to be."""
+        way = self.route[self.corner :]
+        places = way if self.place is None else (self.place, *way)
+        return sum(math.dist(here, there) for here, there in pairwise(places))
 
     @property
     def _current_trip(self) -> Trip:

@@ -153,7 +153,7 @@ class TaskBook:
 
     def _drop(self, letter: Letter) -> None:
         queued = letter.place is Place.QUEUED
-        letter.place = Place.GONE
+        self.queue.drop(letter)
         if queued:
             # it may be the one that a free bucket, or the end of a trip, brought back: another may have its chance
             self.queue.bring_back(letter.tile if letter.key[0] == DELIVER else LetterQueue.ROOM)

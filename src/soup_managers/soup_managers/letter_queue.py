@@ -9,6 +9,7 @@ from soup_managers.plans import Key, Letter, Place
 
 _Entry = tuple[tuple[int, int], int, Letter]
 Awaited = int | Key  # a tile kind, `LetterQueue.ROOM`, or a task
+MOST_GONE = 200  # letters that are kept though nobody waits for them any more
 
 
 class LetterQueue:
@@ -25,6 +26,7 @@ class LetterQueue:
         self._queue: list[_Entry] = []
         self._aside: dict[Awaited, list[_Entry]] = {}
         self._serial = 0
+        self._gone = 0  # letters that were dropped since the last sweep
 
     def add(self, letter: Letter) -> None:
         """Put a letter at its place in the order."""
@@ -35,6 +37,21 @@ class LetterQueue:
         """Set a queued letter aside until a bucket with that tile kind, or `ROOM`, or its own task becomes free."""
         letter.place = Place.DEFERRED
         heapq.heappush(self._aside.setdefault(until, []), self._entry(letter))
+
+    def drop(self, letter: Letter) -> None:
+        """A letter is not to be moved any more; it stays where it is until its turn, or until there are many such."""
+        letter.place = Place.GONE
+        self._gone += 1
+        if self._gone > max(MOST_GONE, len(self._queue) // 2):
+            self._sweep()
+
+    def _sweep(self) -> None:
+        """Throw away all letters that are gone: those whose turn never comes would be kept for ever."""
+        self._gone = 0
+        for waiting in (self._queue, *self._aside.values()):
+            waiting[:] = [entry for entry in waiting if entry[2].place is not Place.GONE]
+            heapq.heapify(waiting)
+        self._aside = {until: waiting for until, waiting in self._aside.items() if waiting}
 
     def bring_back(self, until: Awaited) -> Letter | None:
         """Queue the oldest of the letters that wait for a tile kind, for `ROOM` or for a task."""

@@ -381,6 +381,17 @@ class DriveGoal:
 
 
 @message
+class DriveFeedback:
+    """How far a drive has come, or what it waits for; `distance_m` is still to go, through all its points."""
+
+    bot: int
+    drive: int
+    phase: Phase
+    message: str
+    distance_m: float
+
+
+@message
 class DriveResult:
     """How a drive ended."""
 

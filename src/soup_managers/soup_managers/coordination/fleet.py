@@ -122,7 +122,6 @@ class CoordinatedFleet(Manager):
         self._undecided: list[Robot] = []
         self._looks_at, self._looks_before = -1.0, 0  # when ways were looked for last, and how many looks before then
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
-        self._changed: dict[tuple[str, int], Job] = {}
         self._handlers |= {
             DeliverGoal: self._handle_goal,
             StoreGoal: self._handle_goal,
@@ -137,6 +136,7 @@ class CoordinatedFleet(Manager):
     def tasks(self) -> tuple[TaskState, ...]:
         """The fleet's list of tasks, in the order of their arrival."""
         bound = [tuple(robot.number for robot in robots) for robots in self.situation.bound]
+        idle = bool(self.situation.idle_bots())
         return tuple(
             [
                 TaskState(
@@ -146,11 +146,20 @@ class CoordinatedFleet(Manager):
                     job.job,
                     tuple(job.missing),
                     bound[job.station],
-                    self._reason(job),
+                    self._reason(job, idle),
                 )
                 for job in self.situation.jobs.all.values()
             ]
         )
+
+    def _tell_tasks(self, said: list[Message]) -> None:
+        """Tell the managers of all tasks that have come further, or wait for something else than they were told."""
+        idle = bool(self.situation.idle_bots())
+        for job in self.situation.jobs.all.values():
+            told = len(job.missing), self._reason(job, idle)
+            if told != job.told:
+                job.told = told
+                said.append(TaskFeedback(job.kind, job.number, tuple(job.missing), told[1]))
 
     @property
     def lead_s(self) -> float:
@@ -199,7 +208,9 @@ class CoordinatedFleet(Manager):
         self._traffic.forget_before(now)
         self._explain.now = now
         self._fetch(now)
-        return self._act(now)
+        said = self._act(now)
+        self._tell_tasks(said)
+        return said
 
     def on_world(self, now: float) -> list[Message]:
         """Make the books about buckets anew from the view, and hear what came before it."""
@@ -255,8 +266,12 @@ class CoordinatedFleet(Manager):
             return [TaskFeedback(kind, goal.task, goal_tiles(goal), "the fleet waits for a snapshot of the world")]
         number = goal.word if isinstance(goal, DeliverGoal) else goal.bundle
         if kind == DELIVER and number in self.view.waiting_words:
-            self._ahead[number] = goal  # its word is not known to be open yet
-            return []
+            before = self._ahead.get(number)
+            self._ahead[number] = goal
+            said: list[Message] = [TaskFeedback(kind, goal.task, goal_tiles(goal), f"word {number} is not open yet")]
+            if before is not None and before.task != goal.task:
+                said.append(TaskResult(kind, before.task, Code.REPLACED, f"task {goal.task} asks for the same"))
+            return said
         if not self._is_there(kind, number, goal.station):
             what = f"word {number} is not open" if kind == DELIVER else f"bundle {number} is not staged"
             return [TaskResult(kind, goal.task, Code.UNKNOWN, f"{what} on station {goal.station}")]
@@ -266,14 +281,18 @@ class CoordinatedFleet(Manager):
             self._said.append(TaskResult(kind, old.number, Code.REPLACED, f"task {goal.task} asks for the same"))
         job = self.situation.jobs.all[kind, number]
         self._correct(job)
-        self._changed[kind, number] = job
         docked = self._lines.at(goal.station, 0)
         if docked is not None and docked.activity is Activity.STANDS:
             self._undecided.append(docked)
         return self._act(now)
 
     def _handle_cancel(self, cancel: CancelTask, now: float) -> list[Message]:
+        ahead = [number for number, goal in self._ahead.items() if (DELIVER, goal.task) == (cancel.kind, cancel.task)]
+        for number in ahead:
+            del self._ahead[number]
         job = self.situation.jobs.numbered(cancel.kind, cancel.task)
+        if job is None and ahead:
+            return [TaskResult(cancel.kind, cancel.task, Code.CANCELLED, "taken back")]
         if job is None:
             text = f"the fleet has no {cancel.kind} task {cancel.task}"
             return [TaskResult(cancel.kind, cancel.task, Code.UNKNOWN, text)]
@@ -745,14 +764,14 @@ class CoordinatedFleet(Manager):
         if fetch is not None:
             self._send_for(fetch, now)
 
-    def _reason(self, job: Job) -> str:
-        """Why a task waits; empty where something is on its way to its station."""
+    def _reason(self, job: Job, idle: bool) -> str:
+        """Why a task waits; empty where something is on its way to its station. `idle`: some bots have no work."""
         if self._watch.unplaced:
             return f"{len(self._watch.unplaced)} bots have not said that they are there"
         if self.situation.closed[job.station]:
             return "a bot that does not answer stands in the line of its station"
         if not self.situation.bound[job.station]:
-            if not self.situation.idle_bots():
+            if not idle:
                 return "all bots are busy"
             return "no free bucket serves it"
         return ""

@@ -17,6 +17,7 @@ from soup_msgs_py.messages import (
     CancelDrive,
     CancelTrip,
     DeliverGoal,
+    DriveFeedback,
     DriveGoal,
     DriveResult,
     StoreGoal,
@@ -168,6 +169,13 @@ def _(outcome: msg.Outcome) -> DriveResult | TripResult:
 def _(feedback: TripFeedback) -> action.CarryTrip.Feedback:
     return action.CarryTrip.Feedback(
         phase=feedback.phase.value, message=feedback.message, visits_done=feedback.visits_done
+    )
+
+
+@to_ros.register
+def _(feedback: DriveFeedback) -> action.Drive.Feedback:
+    return action.Drive.Feedback(
+        phase=feedback.phase.value, message=feedback.message, distance=float(feedback.distance_m)
     )
 
 
