@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import random
 import shutil
 import tracemalloc
@@ -351,6 +352,16 @@ def test_what_a_repair_that_was_killed_left_behind_is_removed(folder: Path):
     with open_bag(folder) as bag:
         assert sum(bag.counts.values()) == len(recorded())
     assert sorted(path.name for path in folder.iterdir()) == ["bag_0.mcap", METADATA]
+
+
+@pytest.mark.parametrize("has_metadata", [True, False])
+def test_what_is_no_ordinary_file_is_not_opened(folder: Path, has_metadata: bool):
+    file_of(folder).unlink()
+    os.mkfifo(folder / "bag_0.mcap")
+    if not has_metadata:
+        (folder / METADATA).unlink()
+    with pytest.raises(InputError, match="; allowed: "):
+        open_bag(folder)
 
 
 @pytest.mark.parametrize(("name", "is_needed"), [(topics.EVENTS, True), (topics.STATISTICS, False)])

@@ -31,7 +31,7 @@ _UNKNOWN_QOS = Qos(
 
 @dataclass(frozen=True)
 class Repair:
-    """What a repair found: messages kept, bytes that could not be read, names of files that were damaged and are kept."""
+    """What a repair found: messages kept, bytes that could not be read, names under which damaged files are kept."""
 
     messages: int
     bytes_lost: int
@@ -124,7 +124,8 @@ def _files_of(folder: Path) -> list[Path]:
         digits = re.search(r"(\d+)$", file.stem)
         return int(digits[1]) if digits else 0
 
-    return sorted((f for f in folder.glob(f"*{SUFFIX}") if not f.name.startswith(".")), key=number)
+    found = [file for file in folder.glob(f"*{SUFFIX}") if file.is_file() and not file.name.startswith(".")]
+    return sorted(found, key=number)
 
 
 def _holds_messages(path: Path) -> bool:
