@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from random_warehouse import draw
 
 from soup_lab.headless import Headless
 from soup_msgs_py import messages as m
@@ -45,3 +46,17 @@ def test_stations_that_no_bucket_serves_leave_the_bots_to_others() -> None:
     """Nine word stations that lack letters must not keep three bots from the letter stations, where these come in."""
     words = completed("demo", 1800.0, "bots=3", "word_stations=9", "buckets=4", "initial_inventory=0.7")
     assert len([time for time in words if time > 1200.0]) >= 10
+
+
+@pytest.mark.parametrize("seed", [2, 3, 8])
+def test_no_warehouse_that_is_drawn_at_random_comes_to_a_standstill(seed: int, tmp_path: Path) -> None:
+    moved: list[float] = []
+
+    def on_event(event: m.Event) -> None:
+        if event.type is EventType.TRANSFERRED:
+            moved.append(event.time)
+
+    run = Headless(load_warehouse(draw(seed, tmp_path)).world(1), BEST, 1, on_event)
+    run.run(900.0)
+    assert moved[-1] > 840.0, run.stalled()
+    assert run.world.statistics()["words_completed"] >= 5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +24,7 @@ from soup_msgs_py.policies import Policies, load_policy
 from soup_msgs_py.scenario import Scenario
 from soup_sim.world import World
 
+MOST_SAID = 3  # reasons why tasks wait, of a run that stands still
 EventSink = Callable[[m.Event], None]
 
 
@@ -118,6 +119,14 @@ class Headless:
                 self._next_sense = now + crew.sense_period_s
                 self._say(crew, crew.sense(world.bots(), world.buckets(), now))
             self._carry()
+
+    def stalled(self) -> str:
+        """Since when nothing is moved though words are on order, and why; empty where work goes on."""
+        why = self.world.stalled()
+        if not why:
+            return ""
+        said = Counter(task.message for task in self.fleet.tasks() if task.message).most_common(MOST_SAID)
+        return "; ".join([why, *(f"the fleet says of {count} of its tasks: {message}" for message, count in said)])
 
     def kill(self, bots: Iterable[int], *, noticed: bool = True) -> None:
         """Have the minds of bots die. Their bodies end what they are at, and stand until they are revived.

@@ -154,8 +154,15 @@ def _one(plan: RunPlan, options: argparse.Namespace, console: Console, world: Wo
         bar = files.enter_context(Progress(*columns, console=console, transient=True, disable=not console.is_terminal))
         task = bar.add_task(plan.warehouse.scenario.name, total=plan.duration_s)
 
+        told = False
+
         def show(run: Headless) -> None:
+            nonlocal told
             bar.update(task, completed=run.world.now)
+            why = run.stalled()
+            if why and not told:
+                console.print(why, highlight=False)
+            told = bool(why)
 
         summary = run_once(plan, options.seed, log, show, decisions, world)
         bar.stop()
@@ -184,5 +191,8 @@ def _means(combined: Summary) -> Table:
     shown.columns[1].justify = shown.columns[2].justify = "right"
     for key, words, mean, unit in rows({key: combined[key] for key in combined["interval_95"]}):
         shown.add_row(words, mean, told(key, combined["interval_95"][key]), unit)
+    stalled = sum(summary["stalled_since_s"] is not None for summary in combined["replications"])
+    if stalled:
+        shown.add_row("stalled", str(stalled), "", f"of {len(combined['replications'])} runs", style="bold red")
     shown.add_row("violations", told("violations", combined["violations"]), "", "in all runs")
     return shown

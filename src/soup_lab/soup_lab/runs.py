@@ -112,7 +112,8 @@ def combine(summaries: list[Summary]) -> Summary:
     """The mean of each figure over independent runs, with the half width of its 95 % interval.
 
     Returns:
-        A summary of means; `interval_95` holds the half widths, `replications` the single summaries.
+        A summary of means, and since when the first run that stalled did; `interval_95` holds the half widths,
+        `replications` the single summaries.
     """
     summaries = sorted(summaries, key=lambda summary: summary["seed"])
     first = summaries[0]
@@ -122,7 +123,7 @@ def combine(summaries: list[Summary]) -> Summary:
         if key == MISTAKES:
             continue
         values = [float(summary[key]) for summary in summaries if isinstance(summary[key], (int, float))]
-        if values and key not in ("seed", "violations"):
+        if values and key not in ("seed", "violations", "stalled_since_s"):
             n = len(values)  # a figure may have no value in some
             mean = sum(values) / n
             means[key] = mean
@@ -130,6 +131,8 @@ def combine(summaries: list[Summary]) -> Summary:
             widths[key] = float(student.ppf(0.975, n - 1)) * spread / n**0.5 if n > 1 else 0.0
         else:
             means[key] = value
+    stalled = [summary["stalled_since_s"] for summary in summaries if summary["stalled_since_s"] is not None]
+    means["stalled_since_s"] = min(stalled, default=None)
     means["violations"] = sum(summary["violations"] for summary in summaries)
     mistakes = sum((Counter(summary.get(MISTAKES, {})) for summary in summaries), Counter[str]())
     if mistakes:

@@ -36,6 +36,7 @@ from soup_msgs_py.policies import ROLES, load_policies, usual_policies
 from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
 from soup_sim.setup import load_warehouse
+from soup_sim.standstill import STALLED
 from soup_sim.summary import lateness, table, write_summary
 
 FLEET = "fleet manager"
@@ -118,6 +119,7 @@ def run(options: argparse.Namespace) -> int:
             def show_figures(message: msg.Statistics) -> None:
                 show(from_statistics(message), watch.at_work.get(WORLD, {}).get(WAITS, ""))
                 show.tell_new(watch.at_work)
+                show.stalled(watch.waiting.get(WORLD, ""))
 
             live.subscribe(node, msg.Statistics, topics.STATISTICS, show_figures, DISPLAY)
             supervisor = Supervisor(live, node, processes, parts, show.tell)
@@ -258,6 +260,7 @@ class Progress:
         self._of = f" of {duration:,.0f}" if duration is not None else ""
         self._line = ProgressLine(console, "the parts are starting")
         self._told: dict[str, str] = {}
+        self._is_stalled = False
 
     def __call__(self, figures: dict[str, float | int], waits: str) -> None:
         """Show the newest figures; of a run that is slow also how much the world waits, and for whom."""
@@ -269,6 +272,13 @@ class Progress:
             f"{figures['bot_collisions'] + figures['bucket_collisions']:,} collisions · "
             f"{figures['real_time_factor']:.3g} x real time{slow}"
         )
+
+    def stalled(self, waits: str) -> None:
+        """Tell once that the run has come to a standstill, and why, where that is what the world says."""
+        stalled = waits.startswith(STALLED)
+        if stalled and not self._is_stalled:
+            self.tell(waits)
+        self._is_stalled = stalled
 
     def tell(self, line: str) -> None:
         """Show a line of its own: something happened."""

@@ -35,9 +35,16 @@ FIGURES = {
     "letters_in_words": Figure("letters in them", "", "letters of the completed words"),
     "words_per_second": Figure("word rate", "words/s", "words completed for each simulated second after the warm-up"),
     "word_rate_bound": Figure(
-        "bound of the word rate", "words/s", "what the word stations could do if letters were always at hand"
+        "bound of the word rate",
+        "words/s",
+        "what the word stations could do with words of mean length if letters were always at hand",
     ),
-    "fraction_of_bound": Figure("share of the bound", SHARE, "word rate over its bound"),
+    "fraction_of_bound": Figure(
+        "share of the bound", SHARE, "what word stations moved and cleared, over what they could in that time"
+    ),
+    "stalled_since_s": Figure(
+        "stalled since", "s", "when a letter was moved last, where it is long ago and words are on order; else null"
+    ),
     "word_time_mean_s": Figure(
         "time of a word, mean", "s", "from its order to its completion, of the words completed after the warm-up"
     ),
@@ -73,6 +80,7 @@ FIGURES = {
         "time without answers", "s", "simulated time that went on without a part or message that was waited for in vain"
     ),
 }
+_NONE = {"violations": "not judged", "stalled_since_s": "never"}  # what no value says
 # Of a running world only, on /world/statistics.
 LIVE_FIGURES = {
     "refused_requests": Figure("refused requests", "", "requests that the world answered with no"),
@@ -114,8 +122,8 @@ def rows(figures: Mapping[str, Any]) -> Iterable[tuple[str, str, str, str]]:
 
 def told(key: str, value: Any) -> str:
     """The value of a figure as a person reads it, in the figure's unit."""
-    if key == "violations" and value is None:
-        return "not judged"
+    if value is None and key in _NONE:
+        return _NONE[key]
     return str(value) if key == "seed" else written(value, known(key).unit)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.messages import Event, Floats
 from soup_msgs_py.scenario import Scenario
+from soup_sim.standstill import patience_s
 
 _GIVEN = ("_scenario", "bound", "_capacity")  # what comes from the scenario, and no checkpoint needs
 _BY_NUMBER = ("_busy_since", "_waiting", "_open")  # what a checkpoint holds as pairs
@@ -50,6 +51,7 @@ class Statistics:
         self._idle_since = [0.0] * scenario.bots
         self._busy_since: dict[int, float] = {}
         self._waiting: dict[int, float] = {}  # when each word was ordered that no station has yet, the oldest first
+        self._moved_at = 0.0  # when a tile was moved last, or the first word ordered after all others were complete
         self._open: dict[int, float] = {}  # the same of those that stations work on
         self._begin(0.0, np.zeros(scenario.bots))
 
@@ -81,6 +83,7 @@ class Statistics:
         """Take one event in."""
         kind = event.type
         if kind is EventType.TRANSFERRED:
+            self._moved_at = event.time
             at_words = event.station < self._scenario.word_station_count
             visit = self._last_visit[event.bot] != event.station
             self._last_visit[event.bot] = event.station
@@ -113,6 +116,8 @@ class Statistics:
         elif kind is EventType.BUCKET_COLLISION:
             self.bucket_collisions += 1
         elif kind is EventType.WORD_ARRIVED:
+            if not self._waiting and not self._open:
+                self._moved_at = event.time
             self._waiting[event.job] = event.time
         elif kind is EventType.WORD_ASSIGNED and event.job in self._waiting:
             self._open[event.job] = self._waiting.pop(event.job)
@@ -157,6 +162,11 @@ class Statistics:
         self._fill_area += self._inventory * (now - self._fill_since)
         self._fill_since = now
 
+    def stalled_since(self, now: float) -> float | None:
+        """Since when nothing has been moved though words are on order (s); None where work goes on."""
+        waits = bool(self._waiting or self._open)
+        return self._moved_at if waits and now - self._moved_at > patience_s(self._scenario) else None
+
     def figures(self, now: float, driven: Floats) -> dict[str, Any]:
         """All figures at simulated time `now`, None for those without a value; `driven` is each bot's odometer (m)."""
         scenario = self._scenario
@@ -197,6 +207,7 @@ class Statistics:
             "letter_station_idle_fraction": _idle(busy[1] * per_second, scenario.letter_station_count, seconds),
             "inventory_fill_start": self._inventory_start / self._capacity,
             "inventory_fill_end": self._inventory / self._capacity,
+            "stalled_since_s": self.stalled_since(now),
         }
 
 

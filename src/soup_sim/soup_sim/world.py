@@ -28,6 +28,7 @@ from soup_sim.layouts.cells import start_places
 from soup_sim.lifting import Lifting
 from soup_sim.orders import Orders, Supply, initial_contents, tile_profile
 from soup_sim.serving import Serving
+from soup_sim.standstill import STALLED, reasons
 from soup_sim.stations import OpenWord, StagedBundle
 from soup_sim.statistics import Statistics
 
@@ -97,6 +98,7 @@ class World:
         self._await_bundle()
         if warmup_s > 0.0:
             self._agenda.at(warmup_s, "warmed_up")
+        self._stalled = -1.0, ""
         self._doors: dict[type, Callable[[Any], None]] = {
             m.SetVelocity: self._driving.set_velocity,
             m.SetVelocities: self._driving.set_velocities,
@@ -275,6 +277,16 @@ class World:
     def count_anew(self) -> None:
         """Have the figures cover what comes from now on."""
         self._statistics.begin_window(self.now, self._bodies.driven(self.now))
+
+    def stalled(self) -> str:
+        """Since when nothing is moved though words are on order, and why; empty while work goes on."""
+        since = self._statistics.stalled_since(self.now)
+        if since is None:
+            return ""
+        if self._stalled[0] != since:  # looked for once: bots that go about in vain must not change what is said
+            why = "; ".join(reasons(self.scenario, self.layout, self.snapshot()))
+            self._stalled = since, f"{STALLED} {since:,.0f} s: {why}"
+        return self._stalled[1]
 
     def statistics(self, wall_seconds: float = 0.0) -> dict[str, Any]:
         """The figures of the run so far, with the keys of a summary."""

@@ -378,6 +378,8 @@ class WorldNode:
         missing = self._listeners.missing
         if missing:
             self._report.waits(f"goes on without {', '.join(missing)}: silent for too long")
+        elif stalled := self._world.stalled():
+            self._report.waits(stalled)
         else:
             self._report.works()
 

@@ -56,6 +56,7 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.tiles import tile_name
 
 TICK_S = 1.0  # between two looks at all stations
 AT_ONCE = 10  # bots that may try again in that time
@@ -773,5 +774,10 @@ class CoordinatedFleet(Manager):
         if not self.situation.bound[job.station]:
             if not idle:
                 return "all bots are busy"
-            return "no free bucket serves it"
+            if job.kind == STORE:
+                return "no free bucket has room"
+            nowhere = [tile for tile in dict.fromkeys(job.missing) if not self.situation.stock.tiles[tile].any()]
+            return (
+                f"no bucket holds {', '.join(map(tile_name, nowhere[:3]))}" if nowhere else "no free bucket serves it"
+            )
         return ""
