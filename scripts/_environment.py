@@ -23,6 +23,8 @@ MESSAGES = ROOT / "src" / "soup_msgs"
 PACKAGES_STAMP = VENV / "ready-packages"
 MESSAGES_STAMP = VENV / "ready-messages"
 
+RMW = "rmw_fastrtps_cpp"  # the only implementation of DDS that the wheels bring
+
 # The ROS wheels restart the interpreter to set LD_LIBRARY_PATH unless this says that it is done.
 BOOTSTRAP_GUARD = "_ROS_WHEELS_BOOTSTRAP_COMPLETE"
 
@@ -38,6 +40,9 @@ def enter() -> None:
     environment = run_environment()
     if Path(sys.prefix) == VENV and environment == dict(os.environ):
         return
+    asked = os.environ.get("RMW_IMPLEMENTATION") or RMW
+    if asked != RMW:
+        print(f"RMW_IMPLEMENTATION: {asked} does not come as a wheel, {RMW} is used", file=sys.stderr)
     sys.stdout.flush()
     sys.stderr.flush()
     os.execve(PYTHON, [str(PYTHON), *sys.orig_argv[1:]], environment)
@@ -96,7 +101,7 @@ def run_environment() -> dict[str, str]:
         kept = [entry for entry in given if not is_below(entry, [*others, VENV])]
         if first or kept:
             environment[name] = os.pathsep.join([*first, *kept])
-    environment["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"  # the only one that the wheels bring
+    environment["RMW_IMPLEMENTATION"] = RMW
     environment[BOOTSTRAP_GUARD] = "1"
     return environment
 

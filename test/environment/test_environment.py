@@ -263,3 +263,17 @@ assert seen and seen[0] == Event()
 """
     variables = {**os.environ, "ROS_DOMAIN_ID": str(os.getpid() % 100 + 1)}
     subprocess.run([BASE_PYTHON, "-c", program], cwd=_environment.ROOT, env=variables, check=True, timeout=60)
+
+
+def test_that_another_implementation_of_dds_was_asked_for_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.setenv("RMW_IMPLEMENTATION", "rmw_cyclonedds_cpp")
+    monkeypatch.setattr(_environment, "in_ros_workspace", lambda: False)
+    monkeypatch.setattr(_environment, "is_ready", lambda: True)
+    entered: list[dict[str, str]] = []
+    monkeypatch.setattr(os, "execve", lambda _program, _arguments, environment: entered.append(environment))
+    _environment.enter()
+    said = capsys.readouterr().err
+    assert said == "RMW_IMPLEMENTATION: rmw_cyclonedds_cpp does not come as a wheel, rmw_fastrtps_cpp is used\n"
+    assert entered[0]["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"

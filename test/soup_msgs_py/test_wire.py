@@ -399,3 +399,13 @@ def test_a_path_that_names_the_frame_of_the_floor_or_none_is_taken():
         path = path_of(1, 2.0)
         path.header.frame_id = path.poses[0].header.frame_id = frame
         assert wire.from_path(path, 3).points == ((2.0, 0.0),)
+
+
+@pytest.mark.parametrize(
+    ("message", "field"),
+    [(Header(frame_id="mapXY"), "frame_id"), (msg.Order(verb="mapXY"), "verb"), (msg.BotRequest(verb="mapXY"), "verb")],
+    ids=["frame of a path", "order to the fleet", "request to the world"],
+)
+def test_a_string_that_is_not_utf8_comes_out_as_another_string_and_ends_nobody(message: Any, field: str):
+    bytes_ = serialize_message(message).replace(b"mapXY", b"m\xff\xfe\xc3(")
+    assert getattr(deserialize_message(bytes_, type(message)), field) == "m\ufffd\ufffd\ufffd("

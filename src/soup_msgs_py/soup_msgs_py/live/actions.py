@@ -21,7 +21,7 @@ ACCEPTED_S = 3.0  # wall time; a server that has not answered then never got the
 RESULTS_KEPT_S = 5  # wall time; each is asked for as soon as who asked has heard that its goal is accepted
 
 # A profile that no action server offers. The states of all its goals, sent whenever one changes, are what an action
-# costs most, and say nothing that the results do not.
+# costs most, and say nothing that the results do not. `ros2 doctor` takes that for a mistake; docs/hosts.md explains.
 NO_STATUS = QoSProfile(depth=1, liveliness=LivelinessPolicy.MANUAL_BY_TOPIC)
 
 

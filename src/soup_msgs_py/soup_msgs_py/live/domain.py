@@ -18,24 +18,40 @@ from soup_msgs_py.live.process import Live
 DISCOVERY_S = 1.5  # a participant announces itself to its neighbours several times in this time
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 PROFILES = "FASTRTPS_DEFAULT_PROFILES_FILE"
+LOCALHOST_ONLY = "ROS_LOCALHOST_ONLY"  # of older ROS; 1 means this machine, 0 the network
 # by which a person says that others than this machine are meant, or how processes find each other
 OTHERS = (RANGE, PROFILES, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER")
 TRANSPORTS = "FASTDDS_BUILTIN_TRANSPORTS"
+RMW = "RMW_IMPLEMENTATION"
+FAST_DDS = ("rmw_fastrtps_cpp", "rmw_fastrtps_dynamic_cpp")
 THIS_MACHINE = Path(__file__).parent / "this_machine.xml"
-MOST_LOCAL = 32  # participants that see each other with these profiles
+MOST_LOCAL = 100  # participants that see each other with these profiles
+LEFT_TO_OTHERS = 10  # of them, for tools and for programs of the person's own
 
 
 def stay_on_this_machine(processes: int = 1, environment: MutableMapping[str, str] = os.environ) -> None:
-    """Keep a warehouse to this machine, unless the person says otherwise or it has too many processes.
+    """Keep a warehouse to this machine, unless the person says otherwise.
 
     Two people on one network do not meet each other's robots this way. To spread the parts over machines,
     set ROS_AUTOMATIC_DISCOVERY_RANGE=SUBNET for all of them. Nobody shares memory: a process that is killed may hold
-    what others wait for, and would leave files behind. Messages are as quick without.
+    what others wait for, and would leave files behind. Messages are as quick without. Another implementation of DDS
+    reads none of these profiles: it is told the same in the words that all of them know.
+
+    Raises:
+        InputError: There are too many processes to find each other on one machine.
     """
-    if processes < MOST_LOCAL - 4 and not any(environment.get(name) for name in OTHERS):
+    environment.setdefault(TRANSPORTS, "UDPv4")
+    if any(environment.get(name) for name in OTHERS) or environment.get(LOCALHOST_ONLY) == "0":
+        return
+    if processes > MOST_LOCAL - LEFT_TO_OTHERS:
+        allowed = f"at most {MOST_LOCAL - LEFT_TO_OTHERS} on one machine, more with a discovery server (docs/hosts.md)"
+        raise InputError("processes", "", processes, allowed)
+    environment.pop(LOCALHOST_ONLY, None)  # it would outdo the profiles
+    if (environment.get(RMW) or FAST_DDS[0]) in FAST_DDS:
         environment[RANGE] = "SUBNET"
         environment[PROFILES] = str(THIS_MACHINE)
-    environment.setdefault(TRANSPORTS, "UDPv4")
+    else:
+        environment[RANGE] = "LOCALHOST"
 
 
 @contextmanager
