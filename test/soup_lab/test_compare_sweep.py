@@ -165,7 +165,7 @@ def test_a_sweep_that_is_whole_runs_nothing_and_gives_the_same_report(
 ):
     before = (copy[1] / "results.jsonl").read_bytes()
     assert main([str(done[0]), "--out", str(copy[1])]) == 0
-    assert f"{RUNS} runs, of which {RUNS} are there already\n" in capsys.readouterr().err
+    assert f"{RUNS} runs, of which {RUNS} are done already\n" in capsys.readouterr().err
     assert (copy[1] / "results.jsonl").read_bytes() == before
     for file in ("report.html", "table.md", "figures.json"):
         assert (copy[1] / file).read_bytes() == (done[1] / file).read_bytes()
@@ -180,7 +180,7 @@ def test_an_interrupted_sweep_runs_only_what_is_missing(
     (out / "results.jsonl").write_text("".join([*lines[:3], *lines[4:6], torn]))
     assert main([str(path), "--out", str(out), "--processes", "1"]) == 0
     told = capsys.readouterr()
-    assert f"{RUNS} runs, of which 5 are there already\n" in told.err
+    assert f"{RUNS} runs, of which 5 are done already\n" in told.err
     assert told.err.count("words/s") == 3
     assert [line["run"] for line in results(out)] == [line["run"] for line in results(done[1])]
     assert timeless(out) == timeless(done[1])
@@ -193,11 +193,11 @@ def test_results_of_other_settings_or_code_are_kept_but_not_used(
     written(path.parent, duration_s=310)
     monkeypatch.setattr("soup_lab.compare_cli.run_local", lambda todo, processes: (_ for _ in ()))
     main([str(path), "--out", str(out)])
-    assert f"{RUNS} runs; {RUNS} others there are of other settings, seeds or code" in capsys.readouterr().err
+    assert f"{RUNS} runs; {RUNS} others, of other settings, seeds or code, are kept" in capsys.readouterr().err
     written(path.parent)
     monkeypatch.setattr("soup_lab.compare_runs.code_digest", lambda: "another")
     main([str(path), "--out", str(out)])
-    assert f"{RUNS} runs; {RUNS} others there" in capsys.readouterr().err
+    assert f"{RUNS} runs; {RUNS} others, of other settings, seeds or code, are kept" in capsys.readouterr().err
     assert len(results(out)) == RUNS
 
 
@@ -258,7 +258,7 @@ def test_code_that_changes_while_the_sweep_starts_makes_it_start_again(
 
     monkeypatch.setattr("soup_lab.compare_cli.run_local", changed_once)
     assert main([str(copy[0]), "--out", str(copy[1])]) == 0
-    assert "the code was changed while the sweep started: once more" in capsys.readouterr().err
+    assert "the code changed while the sweep was starting; it starts again with the new code" in capsys.readouterr().err
     assert len(starts) == 2
 
 
@@ -284,7 +284,9 @@ def test_a_process_that_is_killed_is_told_and_what_was_done_is_kept(
 
     monkeypatch.setattr(pool, "ProcessPoolExecutor", doomed)
     assert main([str(path), "--out", str(tmp_path / "out")]) == 1
-    assert capsys.readouterr().err.endswith(f"; the same command goes on with what is in {tmp_path / 'out'}\n")
+    assert capsys.readouterr().err.endswith(
+        f"; run the same command again to continue with what is in {tmp_path / 'out'}\n"
+    )
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=["Ctrl-C", "killed"])
@@ -310,7 +312,10 @@ def test_a_sweep_that_is_stopped_leaves_no_process_and_goes_on_later(tmp_path: P
     assert alive == []
     if number is signal.SIGINT:
         assert process.returncode == 130
-        assert err.splitlines()[-1] == f"stopped before the end; the same command goes on with what is in {out}"
+        assert (
+            err.splitlines()[-1]
+            == f"stopped before the end; run the same command again to continue with what is in {out}"
+        )
     with Store(out):
         pass  # nobody holds it
 

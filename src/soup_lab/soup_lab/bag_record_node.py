@@ -212,7 +212,7 @@ class Recorder:
             return
         free = shutil.disk_usage(writer.folder).free
         if free < limits.free_bytes:
-            self._live.stop(RunError(f"{writer.folder}: ends, only {free / MIB:,.0f} MiB of the disk are free"))
+            self._live.stop(RunError(f"{writer.folder}: ended, since only {free / MIB:,.0f} MiB of the disk are free"))
 
     def _tell_values(self) -> None:
         writer = self._writer
@@ -282,16 +282,22 @@ def offered(profile: QoSProfile) -> Qos:
 def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
     parser = Parser("Record a live warehouse, or any ROS graph, into a rosbag2 bag (MCAP).")
-    parser.add_argument("folder", type=bag_folder, metavar="DIR", help="the bag; it must not be there yet")
+    parser.add_argument("folder", type=bag_folder, metavar="DIR", help="the bag; it must not exist yet")
     parser.add_argument("--topics", type=pattern, metavar="REGEX", help="only topics whose whole name matches")
     parser.add_argument("--exclude", type=pattern, metavar="REGEX", help="no topics whose whole name matches")
-    parser.add_argument("--compression", choices=("zstd", "none"), default="zstd", help="of the bag")
-    parser.add_argument("--split-mib", type=positive, default=2048.0, metavar="MIB", help="a new file after this much")
-    parser.add_argument("--split-s", type=positive, metavar="S", help="a new file after so many wall seconds")
+    parser.add_argument("--compression", choices=("zstd", "none"), default="zstd", help="of the bag (default: zstd)")
+    parser.add_argument(
+        "--split-mib",
+        type=positive,
+        default=2048.0,
+        metavar="MIB",
+        help="begin a new file after this size (default: 2048)",
+    )
+    parser.add_argument("--split-s", type=positive, metavar="S", help="begin a new file after so many wall seconds")
     parser.add_argument(
         "--leave-free-mib", type=positive, default=LEAST_FREE_MIB, metavar="MIB", help="end before the disk is full"
     )
-    parser.add_argument("--go-on", action="store_true", help="go on in DIR, if a recorder was killed there")
+    parser.add_argument("--go-on", action="store_true", help="continue in DIR if a recorder was killed there")
     return parser.parse_args(argv)
 
 

@@ -256,12 +256,18 @@ def lateness(replay: Replay) -> str:
 
 def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = args.Parser("Replay a bag with its timing, as if the warehouse ran; /clock goes with it.")
+    parser = args.Parser("Replay a bag with its timing, as if the warehouse were running; /clock goes with it.")
     parser.add_argument("folder", type=Path, metavar="DIR", help="the bag")
-    parser.add_argument("--speed", type=args.speed, default=1.0, metavar="X", help="times the recorded speed, or max")
-    parser.add_argument("--start", type=args.not_negative, metavar="T", help="begin at this simulated time (s)")
+    parser.add_argument(
+        "--speed",
+        type=args.speed,
+        default=1.0,
+        metavar="X",
+        help="how many times the recorded speed, or max (default: 1)",
+    )
+    parser.add_argument("--start", type=args.not_negative, metavar="T", help="begin at this simulated second")
     parser.add_argument("--loop", action="store_true", help="begin again at the end")
-    parser.add_argument("--paused", action="store_true", help="time stands until /world/pause is called")
+    parser.add_argument("--paused", action="store_true", help="begin paused, until /world/pause is called")
     parser.add_argument("--topics", type=args.pattern, metavar="REGEX", help="only topics whose whole name matches")
     return parser.parse_args(argv)
 

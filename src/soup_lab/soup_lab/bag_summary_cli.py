@@ -29,10 +29,12 @@ LARGEST_SUMMARY_BYTES = 10_000_000
 
 def parse(argv: Sequence[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = args.Parser("The figures of a run, computed from the events in its bag.")
+    parser = args.Parser("Compute the figures of a run from the events in its bag.")
     parser.add_argument("folder", type=Path, metavar="DIR", help="the bag")
-    parser.add_argument("--compare", type=Path, metavar="JSON", help="tell where the figures of a summary differ")
-    parser.add_argument("--warmup", type=args.not_negative, metavar="S", help="not counted; without: as in the run")
+    parser.add_argument("--compare", type=Path, metavar="JSON", help="show where the figures of this summary differ")
+    parser.add_argument(
+        "--warmup", type=args.not_negative, metavar="S", help="simulated seconds not counted (default: as in the run)"
+    )
     parser.add_argument("--summary", type=args.output_file, metavar="FILE", help="write the figures as JSON")
     return parser.parse_args(argv)
 

@@ -31,13 +31,21 @@ def main(argv: list[str] | None = None) -> int:
     parser.add_argument(
         "what",
         choices=[ENGINE, POLICIES, PLANNER],
-        help="engine: paper.yaml, large.yaml and paper.yaml scaled, with minimal policies; "
+        help="engine: paper.yaml, large.yaml and scaled versions of paper.yaml, with minimal policies; "
         "policies: both scenarios with minimal and with best policies; planner: the figures of the 2023 paper",
     )
-    parser.add_argument("--seconds", type=args.positive, default=300.0, metavar="S", help="simulated seconds a run")
+    parser.add_argument(
+        "--seconds", type=args.positive, default=300.0, metavar="S", help="simulated seconds of each run (default: 300)"
+    )
     parser.add_argument("--summary", type=args.output_file, metavar="FILE", help="write the figures as JSON")
-    parser.add_argument("--time-limit", type=args.positive, default=60.0, metavar="S", help="planner: a search")
-    parser.add_argument("--picture", type=args.output_file, metavar="FILE", help="planner: plots, .png or .svg")
+    parser.add_argument(
+        "--time-limit",
+        type=args.positive,
+        default=60.0,
+        metavar="S",
+        help="planner: wall seconds of each search (default: 60)",
+    )
+    parser.add_argument("--picture", type=args.output_file, metavar="FILE", help="planner: draw plots (.png or .svg)")
     options = parser.parse_args(argv)
     console = Console(width=max(Console().width, 110))  # a file or pipe is as wide as the table needs
     if options.what == PLANNER:

@@ -25,6 +25,7 @@ from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.errors import RunError
+from soup_msgs_py.figures import known, told
 from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import PartsWatch
@@ -124,7 +125,7 @@ class Chaos:
         try:
             costs = blow()
         except ProcessLookupError:
-            self._console.print("            it had ended by itself", highlight=False)
+            self._console.print("            it had already ended by itself", highlight=False)
             return
         for then, pause in costs:
             self.blows.append(Blow(f"{what}{then}", pause))
@@ -220,15 +221,19 @@ class Chaos:
 def main(argv: Sequence[str] | None = None, *, scripts: Path) -> int:
     """Run a warehouse, and strike it again and again; the exit status."""
     parser = args.Parser(
-        "Run a warehouse and do to it what can happen: kill and restart managers, bots and the world, swap managers, "
-        "stop processes for a while. Prints what was done and for how long no word came."
+        "Run a warehouse and do to it whatever can happen: kill and restart managers, bots and the world, swap "
+        "managers, stop processes for a while. Prints what was done and how long no word was completed after it."
     )
-    parser.add_argument("--minutes", type=args.positive, default=5.0, metavar="M", help="wall time")
-    parser.add_argument("--seed", type=args.seed, default=0, help="decides what is done, and when")
-    parser.add_argument("--scenario", type=Path, metavar="FILE")
-    parser.add_argument("--policies", type=Path, metavar="FILE")
+    parser.add_argument(
+        "--minutes", type=args.positive, default=5.0, metavar="M", help="wall time in minutes (default: 5)"
+    )
+    parser.add_argument("--seed", type=args.seed, default=0, help="of what is done, and when (default: 0)")
+    parser.add_argument("--scenario", type=Path, metavar="FILE", help="the scenario (default: the demo)")
+    parser.add_argument("--policies", type=Path, metavar="FILE", help="the policies file (default: the best policies)")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override one scenario value")
-    parser.add_argument("--event-log", type=Path, metavar="FILE", help="what happens in the warehouse")
+    parser.add_argument(
+        "--event-log", type=Path, metavar="FILE", help="write all events of the warehouse as JSON lines"
+    )
     parser.add_argument("--record", type=Path, metavar="DIR", help="record all topics of the warehouse")
     args.add_speed(parser)
     options = parser.parse_args(argv)
@@ -291,12 +296,12 @@ def _verdict(console: Console, chaos: Chaos, figures: dict[str, Any]) -> int:
         table.add_row(what, str(len(times)), f"{sum(times) / len(times):.1f}", f"{max(times):.1f}")
     console.print(table)
     keys = ("sim_seconds", "words_completed", "bot_collisions", "bucket_collisions", "violations")
-    console.print(" · ".join(f"{key} {figures[key]:g}" for key in keys), highlight=False)
+    console.print(" · ".join(f"{known(key).words} {told(key, figures[key])}" for key in keys), highlight=False)
     console.print(f"oldest task: {chaos.oldest_task_s:,.0f} simulated seconds", highlight=False)
     late = [blow for blow in chaos.blows if blow.pause_s > FLOWS_S]
     if figures["violations"] or late or chaos.oldest_task_s > LOST_S:
         raise RunError(
-            f"{figures['violations']} violations, {len(late)} of {len(chaos.blows)} times no word came for more "
+            f"{figures['violations']} violations, {len(late)} of {len(chaos.blows)} times without a word for more "
             f"than {FLOWS_S:g} s, oldest task {chaos.oldest_task_s:,.0f} s"
         )
     return 0

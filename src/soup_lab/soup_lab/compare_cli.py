@@ -32,12 +32,22 @@ TABLE_WIDTH = 190  # characters that the table needs; a file or a pipe has them
 
 def parse(argv: list[str] | None) -> argparse.Namespace:
     """Read the command line."""
-    parser = args.Parser("Compare policies: run all variants of an experiment, with intervals and a report.")
-    parser.add_argument("experiment", type=Path, metavar="EXPERIMENT.yaml")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="for the results; without: results/NAME of the file")
-    parser.add_argument("--replications", type=args.replications, metavar="N", help="runs a variant, each its seed")
-    parser.add_argument("--processes", type=args.processes, metavar="N", help="runs at once; without: one a core")
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="of a dask cluster to run on, instead of this machine")
+    parser = args.Parser(
+        "Compare policies: run all variants of an experiment; show confidence intervals and write a report."
+    )
+    parser.add_argument(
+        "experiment", type=Path, metavar="EXPERIMENT.yaml", help="the experiment, as in config/experiments"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder of the results (default: results/ and the name of the file)"
+    )
+    parser.add_argument(
+        "--replications", type=args.replications, metavar="N", help="runs of each variant, each with its own seed"
+    )
+    parser.add_argument(
+        "--processes", type=args.processes, metavar="N", help="runs at the same time (default: one for each core)"
+    )
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="run on the dask cluster at this address")
     parsed = parser.parse_args(argv)
     if parsed.scheduler is not None and parsed.processes is not None:
         parser.error("--processes: found --scheduler too; allowed: one of them, a cluster has its own processes")
@@ -57,10 +67,13 @@ def main(argv: list[str] | None = None) -> int:
         print(error, file=sys.stderr)
         return 2
     except RunError as error:
-        print(f"{error}; the same command goes on with what is in {options.out}", file=sys.stderr)
+        print(f"{error}; run the same command again to continue with what is in {options.out}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print(f"stopped before the end; the same command goes on with what is in {options.out}", file=sys.stderr)
+        print(
+            f"stopped before the end; run the same command again to continue with what is in {options.out}",
+            file=sys.stderr,
+        )
         return 130
 
 
@@ -85,7 +98,7 @@ def _outcomes(experiment: Experiment, store: Store, options: argparse.Namespace,
         try:
             return _run(experiment, store, options, console)
         except OtherCodeError:
-            console.print("the code was changed while the sweep started: once more, with what it is now")
+            console.print("the code changed while the sweep was starting; it starts again with the new code")
             code_digest.cache_clear()
     return _run(experiment, store, options, console)
 
@@ -112,9 +125,9 @@ def _run(experiment: Experiment, store: Store, options: argparse.Namespace, cons
 def _what_there_is(wanted: int, found: int, stored: int) -> str:
     text = f"{wanted} runs"
     if found:
-        text += f", of which {found} are there already"
+        text += f", of which {found} are done already"
     if stored > found:
-        text += f"; {stored - found} others there are of other settings, seeds or code"
+        text += f"; {stored - found} others, of other settings, seeds or code, are kept"
     return text
 
 

@@ -20,10 +20,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Become the discovery server; returns only where there is none: the exit status."""
     parser = Parser(
         "Run a discovery server. Start every part of the warehouse, on all machines, with the environment variable "
-        "ROS_DISCOVERY_SERVER=ADDRESS:PORT, where ADDRESS is that of this machine."
+        "ROS_DISCOVERY_SERVER=ADDRESS:PORT, where ADDRESS is the address of this machine."
     )
-    parser.add_argument("--address", default="0.0.0.0", help="to listen on; without: all addresses of this machine")
-    parser.add_argument("--port", type=port, default=PORT, help="to listen on")
+    parser.add_argument("--address", default="0.0.0.0", help="address to listen on (default: all of this machine)")
+    parser.add_argument("--port", type=port, default=PORT, metavar="N", help=f"UDP port to listen on (default: {PORT})")
     options = parser.parse_args(argv)
     beside = Path(sys.executable).with_name(PROGRAM)
     program = str(beside) if beside.exists() else shutil.which(PROGRAM)

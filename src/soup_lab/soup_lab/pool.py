@@ -52,7 +52,7 @@ def share_out(
             for process in workers_now:
                 process.terminate()
             if isinstance(error, BrokenProcessPool):
-                raise RunError("one of the processes was killed, perhaps for want of memory") from error
+                raise RunError("one of the processes was killed, perhaps for lack of memory") from error
             if calls is not None:
                 # who hands over a task larger than a pipe would wait for ever for its dead reader (CPython gh-94777)
                 calls._reader.close()

@@ -98,7 +98,10 @@ def main(folder: Path, argv: list[str]) -> int:
     names = outdated(folder)
     if options.check:
         for name in names:
-            print(f"{folder / name}: found another text than the code gives; write it anew: {COMMAND}", file=sys.stderr)
+            print(
+                f"{folder / name}: found a text that differs from the code; write it again with {COMMAND}",
+                file=sys.stderr,
+            )
         return 1 if names else 0
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:

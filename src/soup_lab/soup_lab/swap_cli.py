@@ -23,9 +23,9 @@ def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> 
     Where the one before was started by `run_warehouse.py`, it stands by then, and is in charge again afterwards.
     """
     parser = Parser(
-        "Have a new part take over from the one that runs: as soon as it is ready, the one before hands over. It "
-        "runs in this terminal until Ctrl-C. All further options are those of run_word_manager.py and its like, or "
-        "of run_bots.py; for instance: swap_manager.py fleet --policy minimal, or swap_manager.py 7 --policy evade."
+        "Have a new part take over from the one that is running: as soon as it is ready, the old one hands over. It "
+        "runs in this terminal until Ctrl-C. All other options are those of run_word_manager.py and its siblings, or "
+        "of run_bots.py. Examples: swap_manager.py fleet --policy minimal; swap_manager.py 7 --policy evade."
     )
     parser.add_argument("part", metavar="word|letter|fleet|BOTS", help="which manager, or which bots: 7 or 0-19")
     options, further = parser.parse_known_args(argv)
