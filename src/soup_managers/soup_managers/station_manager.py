@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from soup_managers.explain import Explain
 from soup_managers.manager import Manager
@@ -18,11 +19,16 @@ class StationManager(Manager):
 
     A task of the fleet carries the number of its job. The manager keeps nothing that a new one could not find
     in a snapshot. A subclass says which task a job needs and which job comes next.
+
+    Attributes:
+        kind: Of the tasks of the fleet.
+        role: What the policy decides.
+        policy: What decides.
     """
 
     kind: str
     role: str
-    policy: object
+    policy: Any
 
     def __init__(self, view: WarehouseView, stations: range, explain: Explain | None) -> None:
         super().__init__(view)

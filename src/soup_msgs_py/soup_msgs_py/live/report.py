@@ -59,7 +59,7 @@ class Report:
         """A policy of the process has chosen what cannot be: say it, on stderr and from now on in the report."""
         self.values["mistake"] = text
         print(f"{self._live.name}: {text}", file=sys.stderr, flush=True)
-        self._publish()
+        self.publish()
 
     def _set(self, message: str, *, waits: bool) -> None:
         if (message, waits) != (self._message, self._waits):
