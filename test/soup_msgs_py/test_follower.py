@@ -220,6 +220,23 @@ def test_a_part_changes_over_to_a_world_that_is_started_again(part: Part, monkey
     assert part.follower.mind is not mind
 
 
+def test_a_part_that_has_followed_a_bag_returns_to_the_world_that_still_speaks(
+    part: Part, monkeypatch: pytest.MonkeyPatch
+):
+    wall = time.monotonic()
+    part.announce(2)
+    monkeypatch.setattr(time, "monotonic", lambda: wall + SILENT_S)  # its world was slow
+    part.wires.looks[0]()
+    assert part.follower.run == 2
+    part.snapshot(1)
+    assert part.follower.run == 2
+    monkeypatch.setattr(time, "monotonic", lambda: wall + 2.0 * SILENT_S)  # the bag has ended
+    part.snapshot(1)
+    part.wires.looks[0]()
+    part.snapshot(1)
+    assert (part.follower.run, part.follower.in_step) == (1, True)
+
+
 def test_a_mind_that_is_lost_joins_anew_at_the_next_snapshot(part: Part):
     mind: Any = part.follower.mind
     mind.lost = True

@@ -139,7 +139,7 @@ class Follower:
         client.call_async(request).add_done_callback(self._live.guard(answered))
 
     def _on_announcement(self, announcement: Announcement) -> None:
-        self._allegiance.announce(announcement)
+        self._allegiance.announce(announcement, time.monotonic())
         self._change_over()
 
     def _change_over(self) -> None:
@@ -231,9 +231,9 @@ class Follower:
 
     def _on_snapshot(self, cdr: bytes) -> None:
         told = read_cdr(cdr, msg.Snapshot)
+        self._allegiance.hear(told.run, time.monotonic())
         if not self._live.belongs(told.run, self.run):
             return
-        self._allegiance.hear(told.run, time.monotonic())
         if self.in_step:
             asked, self._asked = self._asked, None
             if asked is not None:
