@@ -24,6 +24,7 @@ from soup_lab.runs import Summary
 from soup_msgs_py import arguments as args
 from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.figures import told
 from soup_msgs_py.output_files import OutputError, write_whole
 
 STARTS = 3
@@ -149,7 +150,10 @@ def _watched(runs: Generator[Outcome], total: int, found: int, console: Console)
 
 
 def _told(job: Job, outcome: Summary | Failure) -> str:
-    came = f"failed: {outcome.reason}" if isinstance(outcome, Failure) else f"{outcome['words_per_second']:.4f} words/s"
+    if isinstance(outcome, Failure):
+        came = f"failed: {outcome.reason}"
+    else:
+        came = f"{told('words_per_second', outcome['words_per_second'])} words/s"
     return f"{job.case.label}, seed {job.seed}: {came}"
 
 

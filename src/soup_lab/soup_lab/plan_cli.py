@@ -86,10 +86,11 @@ def main(argv: list[str] | None = None) -> int:
         rules = task.rules
         check_plan(world, answer.plans, may_wait=may_wait, must_leave=rules.must_leave, carries_over=rules.carries_over)
     summary = figures(options, answer, len(world.robots), len(world.boxes))
-    written = write_summary(options.summary, summary)
+    written, drawn = write_summary(options.summary, summary), False
     if options.picture is not None and answer.plans is not None:
         try:
             draw_plan(world, answer.plans, options.picture)
+            drawn = True
         except OutputError as error:
             print(error, file=sys.stderr)
             written = False
@@ -97,7 +98,7 @@ def main(argv: list[str] | None = None) -> int:
     if answer.plans is None:
         print(f"{options.world}: {answer.note}; lower bound {_text(answer.lower_bound)}", file=sys.stderr)
         return 1
-    if options.picture is not None and written:
+    if drawn:
         print(f"wrote {options.picture}")
     if options.show:
         print(f"\n{KEY}")
