@@ -7,7 +7,7 @@ _environment.enter()
 import sys
 from pathlib import Path
 
-from soup_lab.chaos_node import main
+from _command_line import start
 
 if __name__ == "__main__":
-    sys.exit(main(scripts=Path(__file__).resolve().parent))
+    sys.exit(start("soup_lab.chaos_node", scripts=Path(__file__).resolve().parent))

@@ -6,7 +6,7 @@ _environment.enter()
 
 import sys
 
-from soup_lab.bag_replay_node import main
+from _command_line import start
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(start("soup_lab.bag_replay_node"))

@@ -6,8 +6,8 @@ _environment.enter()
 
 import sys
 
-from _command_line import POLICIES
-from soup_bots.bot_node import main
+from _command_line import POLICIES, start
+from soup_msgs_py.part_arguments import parse_bots
 
 if __name__ == "__main__":
-    sys.exit(main(policies=POLICIES))
+    sys.exit(start("soup_bots.bot_node", parse_bots, policies=POLICIES))

@@ -6,7 +6,8 @@ _environment.enter()
 
 import sys
 
-from soup_dashboard.dashboard_node import main
+from _command_line import start
+from soup_msgs_py.part_arguments import parse_dashboard
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(start("soup_dashboard.dashboard_node", parse_dashboard))

@@ -6,7 +6,8 @@ _environment.enter()
 
 import sys
 
-from soup_lab.headless_cli import main
+from _command_line import start
+from soup_lab.headless_arguments import parse
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(start("soup_lab.headless_cli", parse))

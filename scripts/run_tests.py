@@ -1,16 +1,16 @@
-"""Run every check: ruff, the formatter, the type checker, then the tests. Extra arguments go to pytest.
-
-Exit status 0 only when all pass.
-"""
+"""Run every check: ruff, the formatter, the type checker, then the tests; see --help."""
 
 import _environment
 
 _environment.enter()
 
+import argparse
 import subprocess
 import sys
-import tempfile
+import time
 from concurrent.futures import ThreadPoolExecutor
+
+from _command_line import carry_out
 
 PYTEST = ["-m", "pytest"]
 QUICK = {
@@ -20,44 +20,59 @@ QUICK = {
 TYPES = {"types": ["-m", "basedpyright", "--warnings"]}
 # Two at a time; live nodes are tested alone afterwards, since they need the processors to keep their promises.
 TOGETHER = {
-    "tests of the lab and the environment": [*PYTEST, "-m", "not live", "test/environment", "test/soup_lab"],
-    "tests of all other packages": [
+    "lab": [*PYTEST, "-m", "not live", "test/environment", "test/soup_lab"],
+    "others": [
         *PYTEST, "-m", "not live", "--ignore=test/environment", "--ignore=test/soup_lab", "--ignore=test/live",
     ],
     **TYPES,
 }  # fmt: skip
-ALONE = {"live tests": [*PYTEST, "-m", "live"]}
+ALONE = {"live": [*PYTEST, "-m", "live"]}
 
 
 def main() -> int:
     """Run the checks; each is run whatever the others said."""
+    parser = argparse.ArgumentParser(
+        description="Run every check: ruff, the formatter, the type checker, then all tests (some 15 minutes on two "
+        "cores). Exit status 0 only when all pass.",
+        epilog="With arguments, these go to pytest, and only the tests that they name are run after the other checks; "
+        "for instance: run_tests.py test/soup_sim -k layouts",
+        usage="%(prog)s [-h] [ARGUMENTS OF PYTEST]",
+        allow_abbrev=False,
+    )
+    _, chosen = parser.parse_known_args()
     passed = [check(name, arguments) for name, arguments in QUICK.items()]
-    if sys.argv[1:]:
-        chosen = {**TYPES, "tests": [*PYTEST, *sys.argv[1:]]}
-        passed += [check(name, arguments) for name, arguments in chosen.items()]
+    if chosen:
+        passed += [check(name, arguments) for name, arguments in {**TYPES, "tests": [*PYTEST, *chosen]}.items()]
     else:
         with ThreadPoolExecutor(2) as pool:
-            passed += pool.map(lambda entry: check(*entry, aside=True), TOGETHER.items())
+            passed += pool.map(lambda entry: check(*entry, prefix=f"{entry[0]}: "), TOGETHER.items())
         passed += [check(name, arguments) for name, arguments in ALONE.items()]
     if not all(passed):
         print("Not all checks passed.", file=sys.stderr)
     return 0 if all(passed) else 1
 
 
-def check(name: str, arguments: list[str], *, aside: bool = False) -> bool:
-    """Run one check and tell how it went; `aside`: show what it says when it is over. Whether it passed."""
+def check(name: str, arguments: list[str], prefix: str = "") -> bool:
+    """Run one check, show what it says line by line, and tell how it went: whether it passed.
+
+    Args:
+        name: Of the check.
+        arguments: What Python is to run.
+        prefix: What its lines begin with, where several checks run at once.
+    """
+    print(f"== {name}", flush=True)
+    began = time.monotonic()
     command = [sys.executable, *arguments]
-    if aside:
-        with tempfile.TemporaryFile("w+") as said:
-            status = subprocess.run(command, cwd=_environment.ROOT, check=False, stdout=said, stderr=said).returncode
-            said.seek(0)
-            print(f"== {name}\n{said.read()}", end="", flush=True)
-    else:
-        print(f"== {name}", flush=True)
-        status = subprocess.run(command, cwd=_environment.ROOT, check=False).returncode
-    print(f"== {name}: {'failed' if status else 'passed'}", flush=True)
-    return status == 0
+    with subprocess.Popen(
+        command, cwd=_environment.ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            print(f"{prefix}{line}", end="", flush=True)
+    how = "failed" if process.returncode else "passed"
+    print(f"== {name}: {how} after {time.monotonic() - began:.0f} s", flush=True)
+    return process.returncode == 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(carry_out(main))

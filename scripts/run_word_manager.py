@@ -5,9 +5,10 @@ import _environment
 _environment.enter()
 
 import sys
+from functools import partial
 
-from _command_line import POLICIES
-from soup_managers.word_manager_node import main
+from _command_line import POLICIES, start
+from soup_msgs_py.part_arguments import parse_manager
 
 if __name__ == "__main__":
-    sys.exit(main(policies=POLICIES))
+    sys.exit(start("soup_managers.word_manager_node", partial(parse_manager, role="word"), policies=POLICIES))

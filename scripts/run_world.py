@@ -6,8 +6,8 @@ _environment.enter()
 
 import sys
 
-from _command_line import SCENARIO
-from soup_sim.world_node import main
+from _command_line import SCENARIO, start
+from soup_msgs_py.part_arguments import parse_world
 
 if __name__ == "__main__":
-    sys.exit(main(scenario=SCENARIO))
+    sys.exit(start("soup_sim.world_node", parse_world, scenario=SCENARIO))

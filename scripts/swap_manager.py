@@ -6,8 +6,7 @@ _environment.enter()
 
 import sys
 
-from _command_line import POLICIES
-from soup_lab.swap_cli import main
+from _command_line import POLICIES, start
 
 if __name__ == "__main__":
-    sys.exit(main(policies=POLICIES))
+    sys.exit(start("soup_lab.swap_cli", policies=POLICIES))

@@ -40,7 +40,11 @@ class Part:
 def load_ahead() -> None:
     """Begin to load what all parts need, in a process of its own, from which they are forked later."""
     multiprocessing.get_context("forkserver").set_forkserver_preload(["soup_lab.bound", "soup_lab.preload"])
-    forkserver.ensure_running()
+    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # it inherits that: a Ctrl-C is the starter's to act on
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.signal(signal.SIGINT, usual)
 
 
 class Processes:

@@ -13,11 +13,15 @@ from typing import Any, NoReturn
 
 from soup_msgs_py.errors import InputError, printable
 from soup_msgs_py.output_files import LONGEST_NAME, why
+from soup_msgs_py.policies import NAMES
 
 MOST_BOTS = 100_000
 LONGEST_MESSAGE = 1_000  # characters
 LONGEST_RUN_S = 1e9  # some thirty years; ROS counts seconds up to 2**31
 BAG_FILE = "_0000.mcap"  # what comes after the name of a bag's folder in those of its files
+PAGE_PORT = 8080
+EVERY = "simulated seconds between two checkpoints (default: 10 seconds of wall time)"
+SPEED = "simulated seconds per second of wall time, or max (default: 1)"
 
 
 class Parser(argparse.ArgumentParser):
@@ -174,17 +178,33 @@ def pattern(text: str) -> re.Pattern[str]:
 
 def add_scenario(parser: Parser, default: Path | None) -> None:
     """Add `--scenario` and `--set`."""
-    parser.add_argument("--scenario", type=Path, default=default, required=default is None, metavar="FILE")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override one scenario value")
+    help_ = f"the warehouse: a scenario, or a world of cells ({_usual(default)})"
+    parser.add_argument("--scenario", type=Path, default=default, required=default is None, metavar="FILE", help=help_)
+    help_ = "override one value of the scenario, for instance bots=8 or bucket.capacity=20; can be given again"
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help=help_)
 
 
-def add_run(parser: Parser) -> None:
-    """Add what says how long, how fast and how a run goes."""
-    parser.add_argument("--duration", type=seconds, metavar="S", help="simulated seconds; without: until Ctrl-C")
-    parser.add_argument("--warmup", type=not_negative, default=0.0, metavar="S", help="simulated seconds not counted")
-    parser.add_argument("--seed", type=seed, default=0, help="of all random numbers")
+def _usual(file: Path | None) -> str:
+    return f"default: {file.name}" if file is not None else "no default"
+
+
+def add_run(parser: Parser, ends: str = "until Ctrl-C") -> None:
+    """Add what says how long, how fast and how a run goes.
+
+    Args:
+        parser: The parser.
+        ends: When a run ends that is given no duration.
+    """
+    parser.add_argument("--duration", type=seconds, metavar="S", help=f"simulated seconds (default: {ends})")
+    help_ = "simulated seconds at its start that are not counted (default: 0)"
+    parser.add_argument("--warmup", type=not_negative, default=0.0, metavar="S", help=help_)
+    _add_seed(parser, "of all random numbers")
     parser.add_argument("--summary", type=output_file, metavar="FILE", help="write the figures of the run as JSON")
     parser.add_argument("--event-log", type=output_file, metavar="FILE", help="write all events as JSON lines")
+
+
+def _add_seed(parser: Parser, of: str) -> None:
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help=f"{of} (default: 0)")
 
 
 def add_explain(parser: Parser) -> None:
@@ -207,7 +227,7 @@ def folder(text: str) -> Path:
 def add_checkpoint(parser: Parser) -> None:
     """Add what keeps the state of a world."""
     parser.add_argument("--checkpoint", type=folder, metavar="DIR", help="keep the world's newest checkpoint there")
-    parser.add_argument("--every", type=seconds, metavar="S", help="simulated seconds between two checkpoints")
+    parser.add_argument("--every", type=seconds, metavar="S", help=EVERY)
     parser.add_argument("--restore", action="store_true", help="go on from the checkpoint in DIR, if there is one")
 
 
@@ -228,9 +248,7 @@ def speed(text: str) -> float:
 
 def add_speed(parser: Parser) -> None:
     """Add `--speed`."""
-    parser.add_argument(
-        "--speed", type=speed, default=1.0, metavar="RTF", help="simulated seconds a wall second; max: all it can"
-    )
+    parser.add_argument("--speed", type=speed, default=1.0, metavar="RTF", help=SPEED)
 
 
 def check_run(parser: Parser, arguments: argparse.Namespace) -> None:
@@ -239,19 +257,54 @@ def check_run(parser: Parser, arguments: argparse.Namespace) -> None:
         parser.error(f"--warmup: found {arguments.warmup:g}; allowed: less than --duration {arguments.duration:g}")
 
 
-def add_policies(parser: Parser, default: Path | None, roles: tuple[str, ...]) -> None:
-    """Add `--policies` and an override for each role."""
-    parser.add_argument("--policies", type=Path, default=default, metavar="FILE")
+def add_policies(parser: Parser, default: Path | None, roles: tuple[str, ...], usual: Path | None = None) -> None:
+    """Add `--policies` and an override for each role.
+
+    Args:
+        parser: The parser.
+        default: The policies file where none is named.
+        roles: Whose policies.
+        usual: What is taken in the end where there is no default, for the help.
+    """
+    help_ = f"a policy for each role ({_usual(default or usual)})"
+    parser.add_argument("--policies", type=Path, default=default, metavar="FILE", help=help_)
     for role in roles:
-        parser.add_argument(f"--{role}-policy", metavar="NAME|FILE.py:Class", help=f"override the {role} policy")
+        parser.add_argument(f"--{role}-policy", metavar="POLICY", help=f"another {role} policy: {policy_names(role)}")
+
+
+def add_policy(parser: Parser, role: str, policies: Path | None) -> None:
+    """Add what says which policy a part follows.
+
+    Args:
+        parser: The parser.
+        role: Of the part.
+        policies: The policies file where none is named.
+    """
+    help_ = f"the {role} policy: {policy_names(role)} (default: what the policies file says)"
+    parser.add_argument("--policy", metavar="POLICY", help=help_)
+    help_ = f"where policies are named ({_usual(policies)})"
+    parser.add_argument("--policies", type=Path, default=policies, metavar="FILE", help=help_)
+    _add_seed(parser, "of the random numbers of the policy")
+
+
+def policy_names(role: str) -> str:
+    """What `--policy` may be."""
+    return f"{', '.join(NAMES[role])}, or FILE.py:Class"
+
+
+def add_port(parser: Parser) -> None:
+    """Add `--port`."""
+    help_ = f"of the page, on 127.0.0.1 (default: {PAGE_PORT})"
+    parser.add_argument("--port", type=port, default=PAGE_PORT, metavar="N", help=help_)
 
 
 def add_live_only(parser: Parser) -> None:
     """Accept what only a live run needs, so that a command line can be moved from one to the other."""
-    add_speed(parser)
-    parser.add_argument("--bot-processes", type=processes, help="of no effect in one process")
-    parser.add_argument("--no-dashboard", action="store_true", help="of no effect in one process")
-    parser.add_argument("--port", type=port, help="of no effect in one process")
+    help_ = "of no effect in one process"
+    parser.add_argument("--speed", type=speed, metavar="RTF", help=help_)
+    parser.add_argument("--bot-processes", type=processes, metavar="N", help=help_)
+    parser.add_argument("--no-dashboard", action="store_true", help=help_)
+    parser.add_argument("--port", type=port, metavar="N", help=help_)
 
 
 def refuse_port_in_use(port: int) -> None:

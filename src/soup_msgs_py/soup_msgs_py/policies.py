@@ -21,6 +21,13 @@ from soup_msgs_py.options import check_options
 from soup_msgs_py.yaml_input import read_mapping, validate
 
 ROLES = ("word", "letter", "fleet", "bot")
+# the policies that come with the warehouse, by role; said here, too, since to load them takes seconds
+NAMES = {
+    "word": ("in_stock", "minimal", "served"),
+    "letter": ("ahead", "drawn", "minimal"),
+    "fleet": ("coordinated", "minimal", "planned"),
+    "bot": ("evade", "straight"),
+}
 NONE = "none"  # the policy of a part that nobody has heard of
 _PART = re.compile(r"(?:(word|letter|fleet) manager|bots [0-9,-]+)")
 _LONGEST_NAME = 4096  # it may hold a path
