@@ -30,6 +30,12 @@ WRONG = {
     "a missing scenario": ("run_world.py", ["--scenario", "no.yaml"], "no.yaml: found No such file"),
     "bots that run backwards": ("run_bots.py", ["5-2"], "bots: found '5-2'; allowed:"),
     "a bag that is there": ("run_warehouse.py", ["--record", "."], "which is there already; allowed: a folder"),
+    "a folder that holds more than a bag": (
+        "run_warehouse.py",
+        ["--no-dashboard", "--record", ".", "--overwrite"],
+        "allowed: a folder that holds a bag alone",
+    ),
+    "nothing to overwrite": ("run_warehouse.py", ["--overwrite"], "--overwrite: found no --record"),
     "a bag nowhere": ("run_warehouse.py", ["--record", "no/bag"], "no/bag: found No such file or directory; allowed:"),
 }
 

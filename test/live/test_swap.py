@@ -32,7 +32,10 @@ class Reports:
         return self.newest.get(name, {}).get(key, "")
 
 
-def test_a_manager_takes_over_at_once_and_another_stands_by_until_it_is_killed(parts: Parts):
+STANDS_BY = "fleet manager (stands by)"
+
+
+def test_who_is_swapped_out_stands_by_says_so_and_is_in_charge_again(parts: Parts):
     world = parts.start("run_world.py")
     first = parts.start("run_fleet_manager.py")
     with Person() as person:
@@ -40,16 +43,37 @@ def test_a_manager_takes_over_at_once_and_another_stands_by_until_it_is_killed(p
         person.wait(lambda: reports.value("fleet manager", "policy") == "coordinated", "the first is in charge")
         second = parts.start("swap_manager.py", "fleet", "--policy", "minimal")
         person.wait(lambda: reports.value("fleet manager", "policy") == "minimal", "the second has taken over")
-        _, err = first.communicate(timeout=PATIENCE_S)
-        assert first.returncode == 0, err
-        third = parts.start("run_fleet_manager.py")
-        standby = "fleet manager (stands by)"
-        person.wait(lambda: "follows minimal" in reports.value(standby, "says"), "the third stands by")
-        second.kill()
-        person.wait(lambda: reports.value("fleet manager", "policy") == "coordinated", "the third has taken over")
-        person.wait(lambda: reports.value("fleet manager", "says") == "at work", "the third is at work")
-        assert third.poll() is None
-    end(world, third)
+        person.wait(lambda: "follows minimal" in reports.value(STANDS_BY, "says"), "the first stands by")
+        out, _ = ended(second)
+        assert out.splitlines()[0] == "fleet manager: in charge (minimal); Ctrl-C hands back"
+        person.wait(lambda: reports.value("fleet manager", "policy") == "coordinated", "the first is in charge again")
+        person.wait(lambda: reports.value("fleet manager", "says") == "at work", "the first is at work")
+        third = parts.start("swap_manager.py", "fleet", "--policy", "minimal")
+        person.wait(lambda: reports.value("fleet manager", "policy") == "minimal", "the third has taken over")
+        reports.newest.pop(STANDS_BY)
+        person.wait(lambda: "follows minimal" in reports.value(STANDS_BY, "says"), "the first stands by again")
+        third.kill()
+        person.wait(lambda: reports.value("fleet manager", "policy") == "coordinated", "the first takes over again")
+        assert first.poll() is None
+    out, err = ended(first)
+    assert out.splitlines()[0] == "fleet manager: in charge (coordinated)"
+    assert "fleet manager: another one takes over, this one stands by" in err
+    assert "fleet manager: stands by for the fleet manager that follows minimal" in err
+    end(world)
+
+
+def test_a_world_without_managers_says_who_starts_them_and_a_part_says_that_it_works(parts: Parts):
+    world = parts.start("run_world.py", "--set", "bots=2")
+    bots = parts.start("run_bots.py", "0")
+    with Person() as person:
+        reports = Reports(person)
+        person.wait(lambda: "no word manager" in reports.value("world", "says"), "the world misses somebody")
+        assert "nobody drives bots 1 (python3 scripts/run_bots.py 1 starts them)" in reports.value("world", "says")
+    out, _ = ended(bots)
+    assert "bots 0: at work: policy straight" in out
+    _, err = ended(world)
+    for role in ("word", "letter", "fleet"):
+        assert f"no {role} manager (python3 scripts/run_{role}_manager.py starts one)" in err
 
 
 def test_a_bot_gets_another_mind_for_a_while_and_the_others_of_its_process_keep_theirs(parts: Parts):
@@ -78,6 +102,14 @@ def end(*processes: subprocess.Popen[str]) -> None:
     for process in processes:
         _, err = process.communicate(timeout=PATIENCE_S)
         assert process.returncode == 0, err
+
+
+def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
+    """End a program as Ctrl-C does: what it has written to stdout and stderr."""
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0, err
+    return out, err
 
 
 def test_what_nobody_can_swap_is_told_in_one_line(parts: Parts):

@@ -110,6 +110,17 @@ def test_the_warehouse_ends_with_ctrl_c_and_leaves_nothing(parts: Parts, prose: 
     assert sorted(file.name for file in parts.folder.iterdir()) == ["events.jsonl", "out.json"]
 
 
+def test_ctrl_c_before_the_warehouse_is_ready_ends_it_with_one_line(parts: Parts):
+    warehouse = parts.start("run_warehouse.py", "--no-dashboard")
+    assert warehouse.stdout is not None
+    assert warehouse.stdout.readline().startswith("words: ")
+    os.killpg(warehouse.pid, signal.SIGINT)  # as a terminal does: the starter and whoever it has not let go of yet
+    out, err = warehouse.communicate(timeout=PATIENCE_S)
+    assert (warehouse.returncode, err) == (130, "")
+    assert out.splitlines()[-1] == "stopped before the warehouse was ready; no summary"
+    assert parts.all_gone()
+
+
 def test_parts_that_are_killed_are_started_again_and_letters_move_on(parts: Parts, prose: str):
     warehouse = parts.start(
         "run_warehouse.py", "--no-dashboard", "--speed", "5", "--set", f"words={prose}", "--summary", "out.json",

@@ -80,6 +80,7 @@ def test_before_a_world_is_heard_of_there_is_no_floor_and_nothing_on_it():
         "stations": [],
         "figures": [],
         "completed": [],
+            "notice": "",
     }
 
 
@@ -170,3 +171,13 @@ def test_a_browser_is_sent_the_floor_once_a_world_and_a_frame_only_when_somethin
     assert browser.news(store) == f"warehouse.frame({store.frame()});"
     store.take_scenario(SCENARIO, LAYOUT)
     assert browser.news(store).startswith("warehouse.floor(")
+
+
+def test_whom_the_warehouse_lacks_is_in_the_frame_until_it_is_back(store: Store):
+    before = store.revision
+    store.take_notice("no word manager")
+    assert json.loads(store.frame())["notice"] == "no word manager"
+    store.take_notice("no word manager")
+    assert store.revision == before + 1
+    store.take_notice("")
+    assert json.loads(store.frame())["notice"] == ""

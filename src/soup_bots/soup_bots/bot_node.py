@@ -13,7 +13,6 @@ from rclpy.action.server import ServerGoalHandle
 from soup_msgs import action, msg, srv
 
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import Parser, bots, seed
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.actions import GoalServer
 from soup_msgs_py.live.process import Live, exit_status
@@ -32,6 +31,7 @@ from soup_msgs_py.messages import (
     TripResult,
 )
 from soup_msgs_py.mind import Message
+from soup_msgs_py.part_arguments import parse_bots
 from soup_msgs_py.policies import load_policies
 from soup_msgs_py.qos import COMMANDS, LATCHED
 from soup_msgs_py.wire import (
@@ -191,12 +191,7 @@ def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> 
     """Run some bucketbots in this process; its exit status."""
     from soup_bots.bot_host import run_bots  # the host knows the node, and this program knows both
 
-    parser = Parser("Run bucketbots, each its own ROS node, in one process.")
-    parser.add_argument("bots", type=bots, help="which, for instance 0-19 or 0-5,8")
-    parser.add_argument("--policy", metavar="NAME|FILE.py:Class", help="how bots avoid each other")
-    parser.add_argument("--policies", type=Path, default=policies, metavar="FILE")
-    parser.add_argument("--seed", type=seed, default=0, help="of the random numbers of the policy")
-    options = parser.parse_args(argv)
+    options = parse_bots(argv, policies)
 
     def run() -> None:
         choice = load_policies(options.policies, {"bot": options.policy}).bot

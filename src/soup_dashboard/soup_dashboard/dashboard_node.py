@@ -10,11 +10,13 @@ from soup_msgs import msg
 from soup_dashboard.page import HOST, Server
 from soup_dashboard.store import Store
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import Parser, port, refuse_port_in_use
+from soup_msgs_py.arguments import refuse_port_in_use
 from soup_msgs_py.errors import RunError
 from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import Report
+from soup_msgs_py.live.report import PartsWatch, Report
+from soup_msgs_py.live.vacancies import Vacancies
+from soup_msgs_py.part_arguments import parse_dashboard
 from soup_msgs_py.qos import EVERY_ONE, LATCHED, WATCH
 from soup_msgs_py.wire import Announcement, from_statistics
 
@@ -42,15 +44,20 @@ class DashboardNode:
         live.follow(node, msg.Stations, topics.STATIONS, store.take_stations, WATCH)
         live.follow(node, msg.Event, topics.EVENTS, store.take_event, EVERY_ONE)
         live.subscribe(node, msg.Statistics, topics.STATISTICS, self._on_statistics, WATCH)
+        self._parts = PartsWatch(live, node)
+        self._vacancies: Vacancies | None = None
         live.every(LOOK_S, self._look)
 
     def _on_announcement(self, announcement: Announcement) -> None:
         self._store.take_scenario(announcement.scenario, announcement.layout)
+        self._vacancies = Vacancies(self._parts, announcement.scenario.bots)
 
     def _on_statistics(self, statistics: msg.Statistics) -> None:
         self._store.take_figures(from_statistics(statistics))
 
     def _look(self) -> None:
+        if self._vacancies is not None:
+            self._store.take_notice(self._vacancies.look())
         if self._server.ended:
             self._live.stop(RunError("the server of the page has ended"))
         elif not self._server.serving:
@@ -63,9 +70,7 @@ class DashboardNode:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the dashboard in this process; its exit status."""
-    parser = Parser("Run the browser page of a live warehouse.")
-    parser.add_argument("--port", type=port, default=PORT, help=f"of the page on {HOST}")
-    options = parser.parse_args(argv)
+    options = parse_dashboard(argv)
 
     def run() -> None:
         refuse_port_in_use(options.port)
@@ -75,7 +80,8 @@ def main(argv: Sequence[str] | None = None) -> int:
             server = Server(store, options.port)
             try:
                 DashboardNode(live, store, server)
-                print(f"dashboard: http://{HOST}:{options.port}", flush=True)
+                if live.spin(lambda: server.serving or server.ended):
+                    print(f"dashboard: the page is at http://{HOST}:{options.port}", flush=True)
                 live.spin()
             finally:
                 server.close()

@@ -154,7 +154,8 @@ const warehouse = (() => {
 
   function look() {
     const quiet = performance.now() - heard;
-    text("news", !floor ? "waits for the world" : quiet > LOST_MS ? `no news for ${Math.round(quiet / 1000)} s` : "");
+    const news = quiet > LOST_MS ? `no news for ${Math.round(quiet / 1000)} s` : frame ? frame.notice : "";
+    text("news", floor ? news : "waits for the world");
   }
 
   window.addEventListener("resize", later);

@@ -81,6 +81,13 @@ class Store:
             self._figures = figures
             self.revision += 1
 
+    def take_notice(self, notice: str) -> None:
+        """Keep what whoever looks on should know: whom the warehouse lacks; empty for nothing."""
+        with self._lock:
+            if notice != self._notice:
+                self._notice = notice
+                self.revision += 1
+
     def take_event(self, event: Event) -> None:
         """Keep what concerns words: how one that arrived reads, and that one was completed."""
         if event.type is EventType.WORD_ARRIVED:
@@ -112,6 +119,7 @@ class Store:
         self._stations: Stations | None = None
         self._figures: dict[str, float | int] = {}
         self._texts: dict[int, str] = {}  # of words that have arrived and are not completed
+        self._notice = ""
         self._completed: deque[list[float | int | str]] = deque(maxlen=LATEST_WORDS)
 
     def _contents(self) -> dict[str, Any]:
@@ -122,6 +130,7 @@ class Store:
             "stations": _stations(self._stations) if self._stations else [],
             "figures": [list(row) for row in rows({**self._figures, **self._sizes})],
             "completed": list(self._completed),
+            "notice": self._notice,
         }
 
 

@@ -13,6 +13,7 @@ MOST = 5  # deaths in a row after which a part is given up
 class _History:
     started: float
     deaths: int = 0
+    stands_by: bool = False  # whether it ended only to stand by for another one
     due: float | None = None
 
 
@@ -26,7 +27,7 @@ class Restarts:
     def started(self, name: str, wall: float) -> None:
         """A part begins to run."""
         history = self._parts.setdefault(name, _History(wall))
-        history.started, history.due = wall, None
+        history.started, history.due, history.stands_by = wall, None, False
 
     def died(self, name: str, wall: float) -> float | None:
         """A part has ended though nobody asked it to: the pause until it is to be started again, None to give it up."""
@@ -42,8 +43,12 @@ class Restarts:
 
     def handed_over(self, name: str, wall: float) -> float:
         """A part has ended because another one has taken over: the pause until it may stand by for that (s)."""
-        self._parts[name].due = wall + FIRST_S
+        self._parts[name].due, self._parts[name].stands_by = wall + FIRST_S, True
         return FIRST_S
+
+    def stands_by(self, name: str) -> bool:
+        """Whether a part is to be started again only to stand by for another one."""
+        return self._parts[name].stands_by
 
     def waits(self, name: str) -> bool:
         """Whether a part is dead and has a time to be started again."""

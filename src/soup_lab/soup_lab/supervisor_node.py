@@ -72,7 +72,8 @@ class Supervisor:
             part = self._parts[name]
             kept = tuple(argument for argument in part.arguments if argument != "--paused" or not self.settled)
             part = replace(part, arguments=(*kept, *part.again))
-            self._tell(f"{name} is started again")
+            if not self._restarts.stands_by(name):
+                self._tell(f"{name} is started again")
             self._start(part)
 
     def _on_death(self, name: str) -> None:
@@ -91,7 +92,10 @@ class Supervisor:
         pause = self._restarts.handed_over(name, wall) if status == 0 else self._restarts.died(name, wall)
         if pause is None:
             raise RunError(f"{name} does not stay alive: {self._processes.last_words(name)}")
-        self._tell(f"{name} {self._processes.last_words(name)}; starts again in {pause:g} s")
+        if status == 0:
+            self._tell(f"{name}: another one has taken over; the one of this warehouse stands by until that is gone")
+        else:
+            self._tell(f"{name} {self._processes.last_words(name)}; starts again in {pause:g} s")
         # the world is not to wait for somebody who is gone
         self._heard.publish(to_ros(Heard(name, 0, NEVER, leaves=True)))
         # and the fleet is not to count on bots that it may have had

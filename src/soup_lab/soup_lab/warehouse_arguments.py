@@ -30,7 +30,8 @@ def parse(argv: Sequence[str] | None, scenario: Path | None = None, policies: Pa
     )  # fmt: skip
     parser.add_argument("--no-dashboard", action="store_true", help="without the browser page")
     args.add_port(parser)
-    parser.add_argument("--record", type=Path, metavar="DIR", help="record all topics into a new rosbag2 bag")
+    help_ = "record all topics into a new rosbag2 bag"
+    parser.add_argument("--record", type=args.bag_folder, metavar="DIR", help=help_)
     parser.add_argument("--overwrite", action="store_true", help="remove the bag that DIR holds; nothing but a bag")
     args.add_checkpoint(parser)
     options = parser.parse_args(argv)

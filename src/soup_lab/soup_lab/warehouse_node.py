@@ -21,18 +21,21 @@ from std_srvs.srv import SetBool
 
 from soup_lab.bag_record_node import COMPLETE, LEAST_FREE_MIB, MIB, check_room
 from soup_lab.bag_record_node import NAME as RECORDER
+from soup_lab.bag_removal import files_of_bag, remove_bag
 from soup_lab.headless import make_minds
 from soup_lab.processes import Part, Processes
 from soup_lab.progress import ProgressLine
 from soup_lab.supervisor_node import WORLD, Supervisor
+from soup_lab.warehouse_arguments import parse
 from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.live.charge import called
 from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import TOLD, WAITS, PartsWatch
 from soup_msgs_py.output_files import why, write_whole
-from soup_msgs_py.policies import ROLES, load_policies, usual_policies
+from soup_msgs_py.policies import ROLES, Policies, load_policies
 from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
 from soup_sim.setup import load_warehouse
@@ -44,30 +47,8 @@ OTHERS = 5  # processes besides the bots'
 BOTS_A_PROCESS = 64  # where the machine has that many cores
 READY_S, READY_A_BOT_S = 400.0, 0.5  # the longest start: code is compiled in the first one
 SETTLED_S = 0.5  # wall time for all to have found each other
+INTERRUPTED = 130  # exit status
 SLOW = 0.9  # share of the speed that was asked for below which a run is slow
-
-
-def parse(argv: Sequence[str] | None, scenario: Path | None, policies: Path | None) -> argparse.Namespace:
-    """Read the command line."""
-    parser = args.Parser("Run a live warehouse: world, bots and managers as ROS 2 nodes in their own processes.")
-    args.add_scenario(parser, scenario)
-    args.add_policies(parser, None, ROLES)
-    args.add_run(parser)
-    args.add_explain(parser)
-    args.add_speed(parser)
-    parser.add_argument("--bot-processes", type=args.processes, metavar="N", help="processes that share the bots")
-    parser.add_argument("--no-dashboard", action="store_true", help="without the browser page")
-    parser.add_argument("--port", type=args.port, default=8080, help="of the browser page")
-    parser.add_argument(
-        "--record", type=args.bag_folder, metavar="DIR", help="record all topics into a new rosbag2 bag"
-    )
-    args.add_checkpoint(parser)
-    options = parser.parse_args(argv)
-    if options.policies is None and policies is not None:
-        options.policies = usual_policies(policies, options.scenario)
-    args.check_run(parser, options)
-    args.check_checkpoint(parser, options)
-    return options
 
 
 def main(argv: Sequence[str] | None = None, *, scenario: Path | None = None, policies: Path | None = None) -> int:
@@ -87,9 +68,14 @@ def run(options: argparse.Namespace) -> int:
     warehouse = load_warehouse(options.scenario, options.set)
     make_minds(policies, warehouse.scenario)
     if options.record is not None:
-        if options.record.exists():
+        if options.record.exists() and options.overwrite:
+            files_of_bag(options.record)
+        elif options.record.exists():
             raise InputError(
-                "--record", "", f"{options.record}, which is there already", "a folder that is not there yet"
+                "--record",
+                "",
+                f"{options.record}, which is there already",
+                "a folder that is not there yet, or --overwrite",
             )
         check_room(options.record, LEAST_FREE_MIB * MIB)
     if not options.no_dashboard:
@@ -102,7 +88,9 @@ def run(options: argparse.Namespace) -> int:
         node = live.node("warehouse")
         refuse_second_world(live, node)
         if live.stopping:
-            return 130
+            return INTERRUPTED
+        if options.record is not None and options.record.exists():
+            remove_bag(options.record)
         console.print(f"words: {warehouse.words.describe()}", highlight=False)
         folder = temporary_folder(files)
         summary_file = folder / "summary.json"
@@ -125,6 +113,8 @@ def run(options: argparse.Namespace) -> int:
             supervisor = Supervisor(live, node, processes, parts, show.tell)
             get_ready(live, node, watch, [part.name for part in parts], bots)
             supervisor.settled = True
+            if not live.stopping:
+                show.tell(at_work(bots, policies, None if options.no_dashboard else options.port))
             live.spin(lambda: supervisor.over)
         finally:
             show.close()
@@ -133,6 +123,9 @@ def run(options: argparse.Namespace) -> int:
             processes.end()
             show.tell_new(watch.at_work)
         text = figures.read()
+        if not text and live.ended_by:
+            console.print("stopped before the warehouse was ready; no summary", highlight=False)
+            return INTERRUPTED
         if not text:
             raise RunError(f"{WORLD} {processes.last_words(WORLD)}")
     summary = json.loads(text)
@@ -144,7 +137,20 @@ def run(options: argparse.Namespace) -> int:
         raise RunError(f"{summary['violations']} conservation laws were broken")
     if not written:
         return 1
-    return 130 if live.ended_by and options.duration is not None else 0
+    return INTERRUPTED if live.ended_by and options.duration is not None else 0
+
+
+def at_work(bots: int, policies: Policies, port: int | None) -> str:
+    """What the person who started the warehouse is told when it has begun.
+
+    Args:
+        bots: How many.
+        policies: Of all parts.
+        port: Of the page, which answers; None without one.
+    """
+    chosen = ", ".join(f"{role} {called(getattr(policies, role).name)}" for role in ROLES)
+    page = f"; the page: http://127.0.0.1:{port}" if port is not None else ""
+    return f"at work: {bots} bots; policies: {chosen}{page}; Ctrl-C ends it"
 
 
 def temporary_folder(files: ExitStack) -> Path:

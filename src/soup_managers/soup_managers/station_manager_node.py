@@ -13,7 +13,6 @@ from soup_msgs import msg
 from soup_managers.explain import Explain, write_lines
 from soup_managers.station_manager import StationManager
 from soup_msgs_py import mail, topics
-from soup_msgs_py.arguments import Parser, add_explain, seed
 from soup_msgs_py.codes import Code
 from soup_msgs_py.live.actions import GoalClient
 from soup_msgs_py.live.charge import ChargeWatch, InCharge
@@ -32,6 +31,7 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import Message, Mind
 from soup_msgs_py.output_files import SharedFile
+from soup_msgs_py.part_arguments import parse_manager
 from soup_msgs_py.policies import PolicyChoice, load_policies
 from soup_msgs_py.qos import EVERY_ONE, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
@@ -82,8 +82,10 @@ class StationManagerNode:
             sent=lambda: self._follower.mail.sent(mail.goals(kind)),
             ended=lambda: self._follower.mail.got(mail.results(kind)),
         )  # fmt: skip
-        self._waits_for_fleet = f"waits for the fleet manager (nobody serves {action[1]})"
-        self._waits_for_world = f"waits for the world (nobody serves {service[1]})"
+        starts = "python3 scripts/run_{}.py starts one"
+        fleet_starts, world_starts = starts.format("fleet_manager"), starts.format("world")
+        self._waits_for_fleet = f"waits for the fleet manager (nobody serves {action[1]}; {fleet_starts})"
+        self._waits_for_world = f"waits for the world (nobody serves {service[1]}; {world_starts})"
         self._report = Report(live, node)
         self._report.values = {"policy": policy}
 
@@ -154,14 +156,7 @@ def run_manager(
         check: Raises `InputError` for a policy that cannot be.
         make_node: Makes the node for a policy, a seed, what is told of its decisions, and whether to take over.
     """
-    parser = Parser(f"Run the {role} manager.")
-    parser.add_argument("--policy", metavar="NAME|FILE.py:Class", help=f"the {role} policy")
-    parser.add_argument("--policies", type=Path, default=policies, metavar="FILE")
-    parser.add_argument("--seed", type=seed, default=0, help="of the random numbers of the policy")
-    add_explain(parser)
-    help_ = f"ask the {role} manager that is in charge to hand over; without: stand by until it is gone"
-    parser.add_argument("--take-over", action="store_true", help=help_)
-    options = parser.parse_args(argv)
+    options = parse_manager(argv, role, policies)
 
     def run() -> None:
         choice = getattr(load_policies(options.policies, {role: options.policy}), role)
@@ -173,7 +168,7 @@ def run_manager(
             if options.explain is not None:
                 # the managers of one warehouse may share the file
                 sink = write_lines(files.enter_context(closing(SharedFile(options.explain, live.tell))))
-            make_node(live, choice, options.seed, Explain(sink), options.take_over)
+            make_node(live, choice, options.seed, Explain(sink), options.take_over and not options.stand_by)
             live.spin()
 
     return exit_status(run)

@@ -21,24 +21,17 @@ from soup_msgs import msg, srv
 from std_srvs.srv import SetBool
 
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import (
-    Parser,
-    add_checkpoint,
-    add_run,
-    add_scenario,
-    add_speed,
-    check_checkpoint,
-    check_run,
-)
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.live.domain import only_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import WAITS, PartsWatch, Report
 from soup_msgs_py.live.services import Answer, serve
+from soup_msgs_py.live.vacancies import Vacancies
 from soup_msgs_py.messages import BotReply, Event, Heard, Reply, WorldState
 from soup_msgs_py.mind import Message
 from soup_msgs_py.output_files import OutputError
+from soup_msgs_py.part_arguments import parse_world
 from soup_msgs_py.policies import Policies, policies_of
 from soup_msgs_py.qos import COMMANDS, EVERY_ONE, LATCHED, SHOWN
 from soup_msgs_py.wire import (
@@ -136,6 +129,7 @@ class WorldNode:
         self._state = node.create_publisher(msg.WorldState, topics.STATE, LATCHED)
         self._markers = Markers(node, world.scenario, world.layout)
         self._parts = PartsWatch(live, node)
+        self._vacancies = Vacancies(self._parts, world.scenario.bots)
         self._report = Report(live, node)
         self._report.works()
         self._listen(node)
@@ -378,6 +372,8 @@ class WorldNode:
         missing = self._listeners.missing
         if missing:
             self._report.waits(f"goes on without {', '.join(missing)}: silent for too long")
+        elif vacant := self._vacancies.look():
+            self._report.waits(vacant)
         elif stalled := self._world.stalled():
             self._report.waits(stalled)
         else:
@@ -398,15 +394,7 @@ class WorldNode:
 
 def main(argv: Sequence[str] | None = None, *, scenario: Path | None = None) -> int:
     """Run the world in this process; its exit status."""
-    parser = Parser("Run the world of a warehouse: physics, stations, orders.")
-    add_scenario(parser, scenario)
-    add_run(parser)
-    add_speed(parser)
-    add_checkpoint(parser)
-    parser.add_argument("--paused", action="store_true", help="time stands until /world/pause is called")
-    options = parser.parse_args(argv)
-    check_run(parser, options)
-    check_checkpoint(parser, options)
+    options = parse_world(argv, scenario)
     return exit_status(lambda: run_world(options))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import secrets
-import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -13,7 +12,7 @@ from soup_msgs import msg
 from std_srvs.srv import Trigger
 
 from soup_msgs_py import topics
-from soup_msgs_py.live.process import Live
+from soup_msgs_py.live.process import HandsOver, Live
 from soup_msgs_py.live.report import Report
 from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.messages import Charge
@@ -112,6 +111,7 @@ class InCharge:
             begin: Called once, when it is in charge.
         """
         self._live, self._node, self._report, self._begin = live, node, report, begin
+        self._policy = policy
         report.name = f"{live.name} (stands by)"
         self._succession = Succession(live.name, secrets.randbits(RANK_BITS), policy, time.monotonic())
         self._watch = ChargeWatch(live, node, node.get_name(), self._succession.heard)
@@ -129,7 +129,7 @@ class InCharge:
             return ""
         other = self._succession.other
         if self._watch.alive() and other is not None:
-            return f"stands by for the {other.part} that follows {other.policy}"
+            return f"stands by for the {other.part} that follows {called(other.policy)}"
         return "looks whether another one is in charge"
 
     def _topic(self, name: str) -> str:
@@ -150,6 +150,9 @@ class InCharge:
             case Standing.IN_CHARGE if not self._begun:
                 self._begun = True
                 self._report.name = self._live.name
+                hands_back = self._asks is not None and succession.other is not None
+                back = "; Ctrl-C hands back" if hands_back else ""
+                print(f"{self._live.name}: in charge ({called(self._policy)}){back}", flush=True)
                 serve(self._live, self._node, Trigger, self._topic(topics.HAND_OVER), self._on_hand_over)
                 self._begin()
             case Standing.STANDS_BY if self._publisher is not None:
@@ -159,11 +162,17 @@ class InCharge:
                 self._ask_due = wall + ASK_AGAIN_S
                 self._asks.call_async(Trigger.Request())
             case Standing.REPLACED:
-                other = succession.other
-                policy = other.policy if other is not None else "unknown"
-                print(f"{self._live.name}: ends, another one ({policy}) has taken over", file=sys.stderr, flush=True)
-                self._live.stop()
+                self._hand_over()
 
     def _on_hand_over(self, _request: Trigger.Request, answer: Answer) -> None:
-        answer.give(Trigger.Response(success=True, message=f"the {self._live.name} ends"))
-        self._live.stop()
+        answer.give(Trigger.Response(success=True, message=f"the {self._live.name} stands by"))
+        self._hand_over()
+
+    def _hand_over(self) -> None:
+        """End, to begin anew among those who stand by: the plans are somebody else's now."""
+        self._live.stop(HandsOver(f"{self._live.name}: another one takes over, this one stands by"))
+
+
+def called(policy: str) -> str:
+    """A policy as a person calls it: its name, or that of its class."""
+    return policy.rpartition(":")[2]

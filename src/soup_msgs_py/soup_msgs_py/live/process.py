@@ -276,8 +276,27 @@ class Live:
             self._ending.told()
 
 
-class StoodStill(RunError):
+class StartsAgain(RunError):
+    """The process is to begin anew, in the same terminal.
+
+    Attributes:
+        again: What to add to its command line.
+        status: Exit status where another process started it, and does so again.
+    """
+
+    again: tuple[str, ...] = ()
+    status = 1
+
+
+class StoodStill(StartsAgain):
     """The process was stopped for so long that it has to start again."""
+
+
+class HandsOver(StartsAgain):
+    """Somebody else is in charge now; the process begins anew to stand by for it."""
+
+    again = ("--stand-by",)
+    status = 0
 
 
 class Stillness:
@@ -336,12 +355,13 @@ def exit_status(main: Callable[[], int | None]) -> int:
     except InputError as error:
         print(error, file=sys.stderr)
         return 2
-    except StoodStill as error:
+    except StartsAgain as error:
         print(error, file=sys.stderr, flush=True)
         if multiprocessing.parent_process() is None:
             disarm()
-            os.execv(sys.executable, sys.orig_argv)
-        return 1  # whoever started it starts it again
+            more = [argument for argument in error.again if argument not in sys.orig_argv]
+            os.execv(sys.executable, [*sys.orig_argv, *more])
+        return error.status  # whoever started it starts it again
     except RunError as error:
         print(error, file=sys.stderr)
         return 1

@@ -44,7 +44,7 @@ class Report:
         self._message = ""
         self._waits = True
         self._since = time.monotonic()
-        self._told = ""
+        self._told = self._at_work = ""
         live.every(PERIOD_S, self._repeat)
 
     def waits(self, message: str) -> None:
@@ -73,6 +73,20 @@ class Report:
         if self._waits and self._message and late and self._message != self._told:
             self._told = self._message
             print(f"{self._live.name}: {self._message}", file=sys.stderr, flush=True)
+        elif not self._waits:
+            self._tell_work()
+
+    def _tell_work(self) -> None:
+        """Say that the process is at work, and how, once that has not changed since the last look."""
+        bots, policy = self.values.get("bots", ""), self.values.get("policy")
+        # a process of bots has their numbers in its name
+        parts = [f"{bots} bots"] if bots.isdecimal() and not self._live.name.startswith("bots") else []
+        parts += [f"policy {policy.rpartition(':')[2]}"] if policy is not None else []
+        work = f"{AT_WORK}: {', '.join(parts)}" if parts else AT_WORK
+        if work == self._at_work and work != self._told:
+            self._told = work
+            print(f"{self._live.name}: {work}", flush=True)
+        self._at_work = work
 
     def publish(self) -> None:
         """Say it now."""
@@ -96,11 +110,13 @@ class PartsWatch:
 
     Attributes:
         at_work: Details of each process that is, by its name.
+        heard: When each process reported last (wall time, s), and its details, by its name.
     """
 
     def __init__(self, live: Live, node: Node) -> None:
         """Watch from now on."""
         self.at_work: dict[str, dict[str, str]] = {}
+        self.heard: dict[str, tuple[float, dict[str, str]]] = {}
         self._waiting: dict[str, _Waiting] = {}
         live.subscribe(node, DiagnosticArray, topics.DIAGNOSTICS, self._take, EVERY_ONE)
 
@@ -123,15 +139,17 @@ class PartsWatch:
         for status in message.status:
             self._waiting.pop(status.name, None)
             self.at_work.pop(status.name, None)
+            self.heard.pop(status.name, None)
             if not 0 < len(status.name) <= LONGEST_TEXT:
                 continue
             values = {pair.key[:LONGEST_TEXT]: pair.value[:LONGEST_TEXT] for pair in status.values[:MOST_VALUES]}
+            self.heard[status.name] = time.monotonic(), values
             if status.level == DiagnosticStatus.OK:
                 self.at_work[status.name] = values
             else:
                 text = status.message[:LONGEST_TEXT]
                 self._waiting[status.name] = _Waiting(text, values, time.monotonic())
-            for heard in (self.at_work, self._waiting):
+            for heard in (self.at_work, self._waiting, self.heard):
                 if len(heard) > MOST_PARTS:
                     del heard[next(iter(heard))]  # who was heard least lately
 
