@@ -67,6 +67,7 @@ def test_a_world_without_managers_says_who_starts_them_and_a_part_says_that_it_w
     bots = parts.start("run_bots.py", "0")
     with Person() as person:
         reports = Reports(person)
+        person.wait(lambda: reports.value("bots 0", "says") == "at work", "a bot is at work")
         person.wait(lambda: "no word manager" in reports.value("world", "says"), "the world misses somebody")
         assert "nobody drives bots 1 (python3 scripts/run_bots.py 1 starts them)" in reports.value("world", "says")
     out, _ = ended(bots)
