@@ -80,7 +80,7 @@ def test_before_a_world_is_heard_of_there_is_no_floor_and_nothing_on_it():
         "stations": [],
         "figures": [],
         "completed": [],
-            "notice": "",
+        "notice": "",
     }
 
 
