@@ -46,7 +46,8 @@ def test_an_extreme_warehouse_runs_and_its_summary_is_json(changes: list[str], t
 
 def test_a_mean_over_runs_without_a_bound_has_none():
     runs: list[dict[str, Any]] = [
-        {"seed": seed, "bound": None, "rate": rate, "violations": 0} for seed, rate in ((1, 2.0), (2, 4.0))
+        {"seed": seed, "stalled_since_s": None, "bound": None, "rate": rate, "violations": 0}
+        for seed, rate in ((1, 2.0), (2, 4.0))
     ]
     mean = combine(runs)
     assert (mean["bound"], mean["rate"], set(mean["interval_95"])) == (None, 3.0, {"rate"})
