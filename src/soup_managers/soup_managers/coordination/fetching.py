@@ -138,11 +138,14 @@ class Fetching:
     # ---- buckets -------------------------------------------------------------------------------------------
 
     def _demands(self, stations: list[int], most: int, now: float) -> list[Demand]:
-        """What the first stations want that any free bucket serves: the others must not take the bots from them."""
+        """What the shortest stations want that any free bucket serves.
+
+        Where no bucket serves one of these, those behind them have their turn: else all would wait for each other.
+        """
         situation, demands = self._situation, []
         usable = situation.free_buckets & (self._not_before <= now)
-        for station in stations:
-            if len(demands) == most:
+        for rank, station in enumerate(stations):
+            if demands and rank >= most:
                 break
             if situation.is_word_station(station):
                 needs: Want | Fill = situation.want(station)
