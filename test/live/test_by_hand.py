@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
-from geometry_msgs.msg import Point
-from rclpy.action import ActionClient
-from soup_msgs import action, msg, srv
+from soup_msgs import msg, srv
 from std_srvs.srv import SetBool
 
 from .conftest import Parts
@@ -57,19 +53,6 @@ def test_a_person_fetches_a_bucket_serves_a_word_and_brings_the_bucket_back(part
         granted(person.call(srv.Release, "/bot_0/release"))
         person.wait(lambda: person.heard["/world/buckets"].bot[0] == -1, "the bucket rests")
         person.wait(lambda: person.heard["/bot_0/status"].phase == "idle", "the bot stands idle")
-
-        told: list[action.Drive.Feedback] = []
-        client = ActionClient(person.node, action.Drive, "/bot_0/drive")
-        person.wait(client.server_is_ready, "somebody serves /bot_0/drive")
-        goal = action.Drive.Goal(points=[Point(x=station[0], y=station[1])])
-        accepted: Any = client.send_goal_async(goal, lambda message: told.append(message.feedback))
-        person.wait(accepted.done, "the goal is accepted")
-        result: Any = accepted.result().get_result_async()
-        person.wait(result.done, "the drive ends")
-        granted(result.result().result)
-        person.wait(lambda: told, "the drive gives feedback")
-        assert told[0].phase == "driving" and told[0].message.startswith("drives to") and told[0].distance > 0.0
-        client.destroy()
     parts.interrupt(bot)
     parts.interrupt(world)
     assert (bot.returncode, world.returncode) == (0, 0)
