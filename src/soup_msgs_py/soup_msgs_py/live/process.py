@@ -73,6 +73,7 @@ class Live:
         self._carried = 0  # callbacks so far
         self._error: BaseException | None = None
         self._nodes: list[Node] = []
+        self._left: list[Any] = []  # waitables of nodes that are not in the graph any more
         self._periodic: list[_Periodic] = []
         self._farewells: list[Callable[[], None]] = []
         self._ends_soon = ends_soon
@@ -143,13 +144,12 @@ class Live:
         """Take a node out of the graph, though the process goes on.
 
         rclpy leaves waitables to their owners: each would keep the node alive, and with the last one the process's
-        place in DDS, until static destructors run.
+        place in DDS, until static destructors run. The executor may still hold them until it is shut down.
         """
         self._nodes.remove(node)
         self._executor.remove_node(node)
         node.destroy_node()
-        for waitable in reversed(list(node.waitables)):  # what listens to a subscription before the subscription
-            waitable.destroy()
+        self._left += reversed(list(node.waitables))  # what listens to a subscription before the subscription
 
     def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap a callback: an exception ends the process in order instead of inside the executor."""
@@ -264,6 +264,9 @@ class Live:
         while self._nodes:
             self.leave(self._nodes[0])
         self._executor.shutdown()
+        for waitable in self._left:
+            waitable.destroy()
+        self._left.clear()
         rclpy.try_shutdown()
         self._ending.left()
         for number, handler in self._handlers.items():
