@@ -56,9 +56,9 @@ class Report:
         self._set(AT_WORK, waits=False)
 
     def mistake(self, text: str) -> None:
-        """A policy of the process has chosen what cannot be: say it, on stderr and from now on in the report."""
+        """A policy of the process has chosen what cannot be: say it to the person, and from now on in the report."""
         self.values["mistake"] = text
-        print(f"{self._live.name}: {text}", file=sys.stderr, flush=True)
+        self._live.tell(text)
         self.publish()
 
     def _set(self, message: str, *, waits: bool) -> None:
