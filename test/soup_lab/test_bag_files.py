@@ -214,7 +214,7 @@ PROGRAMS = {
         ("file", "found a file; allowed: a rosbag2 bag"),
         ("empty", "found no metadata.yaml; allowed: a rosbag2 bag"),
         ("silent", "found a bag without messages; allowed:"),
-        ("broken", "metadata.yaml: line 1: found expected the node content"),
+        ("broken", "metadata.yaml: line 2: found no node content"),
         ("foreign", "; allowed: "),
     ],
 )

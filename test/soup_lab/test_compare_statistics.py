@@ -83,6 +83,7 @@ def test_comparisons_taken_together_ask_for_more():
 
 
 def test_a_figure_that_some_runs_lack_is_the_mean_of_the_others():
-    runs = [{"seed": 1, "violations": 0, "age": 2.0}, {"seed": 2, "violations": 0, "age": None}]
+    alike = {"violations": 0, "stalled_since_s": None}
+    runs = [{"seed": 1, "age": 2.0, **alike}, {"seed": 2, "age": None, **alike}]
     assert combine(runs)["age"] == 2.0
     assert combine([runs[1] | {"seed": 1}, runs[1]])["age"] is None

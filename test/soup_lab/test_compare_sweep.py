@@ -231,7 +231,7 @@ def test_a_policy_that_fails_is_told_and_the_others_go_on(tmp_path: Path, capsys
     out = tmp_path / "out"
     assert main([str(path), "--out", str(out), "--processes", "1"]) == 1
     told = capsys.readouterr()
-    assert "words: mine, seed 1: failed: KeyError: 'my own\\nmistake'" in told.err
+    assert "words: mine, seed 1: failed: a policy failed: KeyError: 'my own\\nmistake' (" in told.err
     assert "mine (1 of 1 runs failed)" in " ".join(told.out.split())
     assert [line["variant"] for line in results(out)] == ["minimal"]
     assert "in choose" in (out / "failures.txt").read_text()

@@ -139,7 +139,7 @@ def test_a_new_fleet_knows_at_once_where_everybody_is_though_all_minds_are_new(s
     all_is_well(run)
 
 
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [2, 4, 5])
 def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monkeypatch: pytest.MonkeyPatch):
     run = demo(40, seed)
     fleet: Any = run.fleet
@@ -167,7 +167,7 @@ def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monke
 def test_nobody_runs_into_dead_bots_that_were_struck_on_their_way(seed: int, noticed: bool):
     collided: list[float] = []
     run = demo(40, seed, lambda event: collided.append(event.time) if event.type in COLLISIONS else None)
-    for k in range(1, 9):
+    for k in range(1, 17):
         run.run(60.0 * k)
         some, resting = range(k % 4, 40, 4), int((run.world.buckets().bot < 0).nonzero()[0][0])
         run.kill(some, noticed=noticed)
@@ -177,7 +177,7 @@ def test_nobody_runs_into_dead_bots_that_were_struck_on_their_way(seed: int, not
                 run.world._driving._contact(bot, -1 - resting, sys.maxsize)
         run.run(run.world.now + 40.0)
         run.revive(some)
-    run.run(700.0)
+    run.run(1200.0)
     assert len(collided) > 5
     assert all(time % 60.0 < 1.0 + BEHIND_S for time in collided)
     assert not run.fleet.stalled

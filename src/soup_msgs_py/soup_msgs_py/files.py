@@ -23,7 +23,7 @@ def read_bytes(path: AnyPath, most_bytes: int) -> bytes:
     check_regular(path)
     # what was looked at may have been replaced by a pipe since, which nobody may wait for
     with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as file:
-        data = file.read(most_bytes + 1)
+        data = file.read(min(most_bytes, os.fstat(file.fileno()).st_size) + 1)  # as much is set aside as is asked for
     if len(data) > most_bytes:
         raise OSError(errno.EFBIG, f"more than {most_bytes} bytes", str(path))
     return data

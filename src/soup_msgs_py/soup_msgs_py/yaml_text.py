@@ -75,6 +75,7 @@ def load_yaml(text: str, source: object, key: str, allowed: str) -> Any:
         mark = getattr(error, "problem_mark", None)
         where = key or (f"line {mark.line + 1}" if mark is not None else "")
         found = (getattr(error, "problem", None) or str(error)).removeprefix("found ")
+        found = found.replace("did not find expected", "no", 1)
         raise InputError(source, where, found, allowed) from error
     except (ValueError, LookupError, AttributeError, TypeError, ArithmeticError) as error:  # of a value like `!!bool x`
         raise InputError(source, key, f"a value that cannot be read ({error})", allowed) from error

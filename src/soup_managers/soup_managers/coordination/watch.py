@@ -65,9 +65,10 @@ class Watch:
         self._doubted.pop(robot.number, None)
         self._unheard[robot.number] = min(depart, _answered(now, lead_s)) + HEARD_S
 
-    def told_to_stop(self, robot: Robot, now: float, lead_s: float) -> None:
-        """A bot was told to stop on its way."""
+    def told_to_stop(self, robot: Robot, now: float, lead_s: float) -> float:
+        """A bot was told to stop on its way; by when it says so (s), if it hears."""
         self._stopping[robot.number] = _answered(now, lead_s)
+        return self._stopping[robot.number]
 
     def collided(self, bots: Sequence[int], now: float, lead_s: float) -> None:
         """A collision has stopped bots on their way, also those for which nobody answers."""

@@ -243,6 +243,6 @@ class Whereabouts:
                 if other.activity is Activity.DRIVES and number not in self.halted and not other.adopted:
                     self.halted.add(number)
                     self._said.append(CancelDrive(number, other.order))
-                    self._watch.told_to_stop(other, now, self.lead_s)
-                    self._traffic.halt(number, now, 2.0 * self.lead_s)
+                    answered = self._watch.told_to_stop(other, now, self.lead_s)
+                    self._traffic.halt(number, now, answered - now)  # until then it may drive on
                     stopped.append(other)
