@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 import random
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from soup_msgs_py.codes import Code
 from soup_msgs_py.mail import Mail
-from soup_msgs_py.messages import Heard
+from soup_msgs_py.messages import BotReply, Heard
 from soup_sim.in_flight import InFlight
 from soup_sim.listeners import PATIENCE_S, Listeners
 from soup_sim.summary import lateness
 
 FLEET, BOTS = "fleet manager", "bots 0-3"
-ORDERS = "orders bots 0-3"
+ORDERS, OUTCOMES = "orders bots 0-3", "outcomes bots 0-3"
 
 
 def heard(part: str, sent: dict[str, int] | None = None, got: dict[str, int] | None = None) -> Heard:
@@ -110,6 +112,19 @@ def test_who_needs_long_to_answer_gets_as_long_for_what_is_sent_to_it_then():
     listeners.hear(heard(FLEET, sent={ORDERS: 2}), 1.0)
     listeners.hear(heard(FLEET, sent={ORDERS: 3}), PATIENCE_S)
     assert listeners.wait(PATIENCE_S + 2.0)
+
+
+def test_what_somebody_says_before_it_was_asked_is_not_taken_for_what_was_forgiven():
+    listeners = Listeners()
+    listeners.hear(heard(FLEET), 0.0)
+    listeners.hear(replace(heard(BOTS, sent={OUTCOMES: 1}), bots=frozenset(range(4))), 0.0)
+    listeners.hear(heard(FLEET, got={OUTCOMES: 1}), 0.0)
+    listeners.tell(BotReply(3, 1, Code.DONE, "", 1.0, 0.0, 0.0))  # the bots say something upon it at once
+    listeners.hear(heard(FLEET, got={OUTCOMES: 2}), 0.1)
+    assert not listeners.wait(0.1)
+    beat = listeners.beat(1.0, 0.1)
+    listeners.hear(replace(heard(BOTS, sent={OUTCOMES: 2}), beat=beat.number, bots=frozenset(range(4))), 0.2)
+    assert not listeners.wait(0.2)
 
 
 @given(st.integers(0, 2**32), st.integers(2, 5))

@@ -139,7 +139,8 @@ class Listeners:
             if wall - max(self._since, self._heard_at) <= PATIENCE_S:
                 return True
             self._in_flight.give_up()
-        self._in_flight.settle()
+        if not self.asked:  # who will be asked may have said something that it has not told yet
+            self._in_flight.settle()
         return False
 
     @property
