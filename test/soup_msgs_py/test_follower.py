@@ -12,9 +12,9 @@ from rclpy.serialization import serialize_message
 
 from soup_msgs_py import topics
 from soup_msgs_py.allegiance import SILENT_S
-from soup_msgs_py.codes import EventType
+from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.live.follower import Follower
-from soup_msgs_py.messages import AssignBundle, Beat, Event, Heard
+from soup_msgs_py.messages import AssignBundle, Beat, BotReply, Event, Heard
 from soup_msgs_py.mind import EVERYTHING, NEVER
 from soup_msgs_py.wire import Announcement, from_ros, to_ros
 from soup_sim.setup import load_warehouse
@@ -168,6 +168,21 @@ def test_a_beat_that_was_faster_than_the_event_before_it_is_heard_after_that(par
     part.wires.takes[topics.BEAT](Beat(2.0, 1, ("fleet manager",), sequence + 1))
     assert len(part.wires.said) == told
     part.wires.takes[topics.EVENTS](Event(2.0, sequence + 1, EventType.WORD_CLEARED))
+    assert part.heard[0] == 1
+
+
+def test_what_the_world_has_answered_comes_with_the_beat_and_all_of_it_is_taken_in_before_that_is_heard():
+    part = Part()
+    heard_after: list[int] = []
+
+    def take(reply: BotReply) -> None:
+        part.follower.tell(reply, is_asked=True)
+        heard_after.append(part.heard[0])
+
+    part.follower._take_reply = take
+    replies = tuple(BotReply(bot, 1, Code.DONE, "there", 2.0, 0.0, 0.0) for bot in (3, 4))
+    part.wires.takes[topics.BEAT](Beat(2.0, 1, ("fleet manager",), -1, replies))
+    assert heard_after == [0, 0]
     assert part.heard[0] == 1
 
 

@@ -49,6 +49,7 @@ def words(draw: st.DrawFn) -> m.Word:
 
 some_words = st.lists(words(), max_size=3).map(tuple)
 word_stations = st.lists(st.builds(m.WordStationState, int32, place, place, int32, some_words), max_size=3).map(tuple)
+replies = st.builds(m.BotReply, int32, int64, st.sampled_from(Code), text, time, place, place)
 counts = st.lists(
     st.tuples(
         st.sampled_from(("bound", "goals deliver", "results store", "orders bots 0-3", "drives 7")),
@@ -121,7 +122,7 @@ ONE_TO_ONE = {
     "grab": st.builds(m.Grab, int32, int64, int32),
     "release": st.builds(m.Release, int32, int64),
     "transfer": st.builds(m.Transfer, int32, int64, int32, moves),
-    "reply of a bot": st.builds(m.BotReply, int32, int64, st.sampled_from(Code), text, time, place, place),
+    "reply of a bot": replies,
     "word to open": st.builds(m.AssignWord, int32, int32),
     "bundle to stage": st.builds(m.AssignBundle, int32, int32, int32),
     "storage spot to make or remove": st.builds(m.SetStorageSpot, int32, st.booleans()),
@@ -141,7 +142,14 @@ ONE_TO_ONE = {
     "letters to deliver": st.builds(m.DeliverGoal, int64, int32, int32, some_ints),
     "bundle to store": st.builds(m.StoreGoal, int64, int32, int32, int32, int32),
     "tasks": st.builds(m.Tasks, time, st.lists(states, max_size=3).map(tuple)),
-    "beat": st.builds(m.Beat, time, st.integers(0, 2**64 - 1), st.lists(text, max_size=3).map(tuple), int64),
+    "beat": st.builds(
+        m.Beat,
+        time,
+        st.integers(0, 2**64 - 1),
+        st.lists(text, max_size=3).map(tuple),
+        int64,
+        st.lists(replies, max_size=3).map(tuple),
+    ),
     "what a part has heard": st.builds(
         m.Heard,
         st.sampled_from(("word manager", "letter manager", "fleet manager", "bots 0-3,5")),

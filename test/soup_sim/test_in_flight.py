@@ -123,6 +123,7 @@ def test_what_somebody_says_before_it_was_asked_is_not_taken_for_what_was_forgiv
     listeners.hear(heard(FLEET, got={OUTCOMES: 2}), 0.1)
     assert not listeners.wait(0.1)
     beat = listeners.beat(1.0, 0.1)
+    assert [reply.bot for reply in beat.replies] == [3]
     listeners.hear(replace(heard(BOTS, sent={OUTCOMES: 2}), beat=beat.number, bots=frozenset(range(4))), 0.2)
     assert not listeners.wait(0.2)
 

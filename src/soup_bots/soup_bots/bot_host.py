@@ -64,6 +64,7 @@ RIVALS_S = 3.0  # wall time after which a process that does not give up its bots
 CLOSE_S = 0.5  # wall time that the last answers of a bot's node are given
 LOOK_BACK_S = 1.0  # wall time between two looks whether bots that were given up have a mind
 ABSENT = 2  # looks after each other at which a bot has none: then its mind is gone for good
+ANSWERS_KEPT = 1000  # more than can be on their way at once
 SAME_S = 1e-6  # simulated; stamps are whole nanoseconds
 ROLE_SEED = 3  # word, letter and fleet manager come before the bots
 
@@ -114,6 +115,7 @@ class BotHost:
         self._report = Report(live, node)
         self._report.values = {"bots": written_bots(self._numbers), "policy": choice.name}
         self._buckets = b""
+        self._answered: dict[tuple[int, int, float, Code], None] = {}  # the newest replies, in their order
         self._next_sense = 0.0
         self._drive_clients: dict[int, GoalClient] = {}
         self._carriers: dict[type, Callable[[Any], None]] = {
@@ -134,7 +136,7 @@ class BotHost:
         self._follower = Follower(
             live, node, self._report, self._make_crew, self._carry, self._missing,
             concerns=lambda event: event.type in FOR_BOTS, looks=self._next_look,
-            bots=frozenset(self._numbers),
+            bots=frozenset(self._numbers), take_reply=self._on_reply,
         )  # fmt: skip
         self._charges = node.create_publisher(msg.Charge, topics.BOTS_CHARGE, LATCHED)
         self._charges.publish(to_ros(self._charge))
@@ -274,9 +276,15 @@ class BotHost:
     # ---- what the world tells -----------------------------------------------------------------------------
 
     def _on_reply(self, reply: BotReply) -> None:
-        if reply.bot in self._bots:
-            self._follower.now = max(self._follower.now, reply.time)
-            self._follower.tell(reply, is_asked=True)
+        """Take in what came on the topic of replies or with a beat, whichever was faster."""
+        key = reply.bot, reply.request, reply.time, reply.code
+        if reply.bot not in self._bots or key in self._answered:
+            return
+        self._answered[key] = None
+        if len(self._answered) > ANSWERS_KEPT:
+            del self._answered[next(iter(self._answered))]
+        self._follower.now = max(self._follower.now, reply.time)
+        self._follower.tell(reply, is_asked=True)
 
     def _on_buckets(self, cdr: bytes) -> None:
         self._buckets = cdr

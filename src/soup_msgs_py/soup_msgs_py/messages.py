@@ -525,12 +525,14 @@ class Beat:
         number: Counts the beats, from 1 on.
         parts: Who has to say that it was heard.
         sequence: Number of the newest event, which they have to have heard by then.
+        replies: What the world has answered to bots since the beat before.
     """
 
     time: float
     number: int
     parts: tuple[str, ...] = ()
     sequence: int = -1
+    replies: tuple[BotReply, ...] = ()
 
 
 @message

@@ -58,6 +58,7 @@ class Listeners:
         self._waited_s: dict[str, float] = {}  # wall time, by the part that was waited for last
         self._asked = 0.0
         self.latency_s = 0.0
+        self._replies: list[BotReply] = []  # since the last beat
         self._in_flight = InFlight()
 
     @property
@@ -79,6 +80,8 @@ class Listeners:
         """The world says something: those whom it concerns are to answer the next beat."""
         for part in self._parts.values():
             part.asked = part.asked or _concerns(part.said, said)
+        if isinstance(said, BotReply):
+            self._replies.append(said)
 
     @property
     def next_time(self) -> float:
@@ -103,7 +106,8 @@ class Listeners:
             if part.next_time <= now:
                 part.next_time = NEVER
         # nobody waits for those who were lost; one that only stood still is to say that it is back
-        return Beat(now, self._beats, (*asked, *self.lost), sequence)
+        replies, self._replies = tuple(self._replies), []
+        return Beat(now, self._beats, (*asked, *self.lost), sequence, replies)
 
     def hear(self, heard: Heard, wall: float) -> None:
         """Take in how far a part is."""

@@ -17,7 +17,7 @@ from soup_msgs_py.event_stream import EventStream
 from soup_msgs_py.live.process import Live
 from soup_msgs_py.live.report import Report
 from soup_msgs_py.mail import Mail
-from soup_msgs_py.messages import Beat, Event, Heard, Snapshot
+from soup_msgs_py.messages import Beat, BotReply, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, from_stamp, read_cdr, to_ros_of
@@ -57,6 +57,7 @@ class Follower:
         concerns: Callable[[Event], bool] | None = None,
         looks: Callable[[], float] = lambda: NEVER,
         bots: frozenset[int] = frozenset(),
+        take_reply: Callable[[BotReply], None] = lambda _: None,
     ) -> None:
         """Begin to follow.
 
@@ -70,6 +71,7 @@ class Follower:
             concerns: Which events the mind is told; all without.
             looks: The simulated time (s) at which the mind wants to look around next.
             bots: The bots for which the part speaks.
+            take_reply: Hands what the world has answered to a bot to the mind.
         """
         self.mind: Mind | None = None
         self.announcement: Announcement | None = None
@@ -81,7 +83,9 @@ class Follower:
         self._carry = carry
         self._missing = missing
         self._concerns = concerns
-        self._looks, self._bots = looks, bots
+        self._looks, self._bots, self._take_reply = looks, bots, take_reply
+        self._replies: tuple[BotReply, ...] = ()  # that came with the newest beat
+        self._at_it = False  # whether the mind is being told several things, before all of which nothing is heard
         self.mail = Mail()
         self._calls = 0  # of the world's services that are not answered yet
         self._reacts: frozenset[EventType] = frozenset()  # as the world was told
@@ -150,6 +154,7 @@ class Follower:
         self.now = announcement.time
         self._stream.restart()
         self.begun = self._owes = self._will_be_asked = False
+        self._replies = ()
         self._calls = 0
         self.mail.tell_all_again()
         self.mind = self._make_mind(announcement)
@@ -165,13 +170,19 @@ class Follower:
         if self.begun:
             if self._name in beat.parts:
                 self._owes, self._will_be_asked = True, False
+            self._replies += beat.replies
             self._reach()
 
     def _reach(self) -> None:
         """Do what is due at the newest beat, once the events before it have come."""
-        if not self._lacks_events:
-            self._wake()
-            self.settle()
+        if self._lacks_events:
+            return
+        replies, self._replies, self._at_it = self._replies, (), True
+        for reply in replies:
+            self._take_reply(reply)
+        self._wake()
+        self._at_it = False
+        self.settle()
 
     def _take_leave(self) -> None:
         if self.begun:  # one that stands by has the name of the one in charge, which the world waits for
@@ -185,7 +196,7 @@ class Follower:
 
     def settle(self) -> None:
         """Tell the world how far the part is, if that is news, and nothing is missing that it has to hear first."""
-        if self.mind is None or not self.begun or self._calls:
+        if self.mind is None or not self.begun or self._calls or self._at_it:
             return
         if self._owes:
             if not self._lacks_events:

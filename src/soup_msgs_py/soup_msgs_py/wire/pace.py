@@ -11,7 +11,7 @@ from soup_msgs import msg
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.mail import Counts
 from soup_msgs_py.messages import Beat, Charge, Heard
-from soup_msgs_py.wire.basics import MalformedMessage, check_times, from_ros, member, pack, to_ints, to_ros
+from soup_msgs_py.wire.basics import MalformedMessage, check_times, from_ros, member, not_absurd, pack, to_ints, to_ros
 
 _PART = re.compile(r"(word|letter|fleet) manager|bots [0-9,-]+")
 _CHANNEL = re.compile(r"bound|(goals|results) (deliver|store)|(orders|outcomes) bots [0-9,-]+|drives [0-9]+")
@@ -19,13 +19,20 @@ _CHANNEL = re.compile(r"bound|(goals|results) (deliver|store)|(orders|outcomes) 
 
 @to_ros.register
 def _(beat: Beat) -> msg.Beat:
-    return msg.Beat(time=float(beat.time), number=beat.number, parts=list(beat.parts), sequence=beat.sequence)
+    return msg.Beat(
+        time=float(beat.time),
+        number=beat.number,
+        parts=list(beat.parts),
+        sequence=beat.sequence,
+        replies=[to_ros(reply) for reply in beat.replies],
+    )
 
 
 @from_ros.register
 def _(beat: msg.Beat) -> Beat:
     check_times(beat.time)
-    return Beat(beat.time, beat.number, tuple(beat.parts), beat.sequence)
+    replies = tuple(from_ros(reply) for reply in not_absurd(beat.replies))
+    return Beat(beat.time, beat.number, tuple(beat.parts), beat.sequence, replies)
 
 
 @to_ros.register
