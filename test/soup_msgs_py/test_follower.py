@@ -186,6 +186,17 @@ def test_what_the_world_has_answered_comes_with_the_beat_and_all_of_it_is_taken_
     assert part.heard[0] == 1
 
 
+def test_a_beat_that_was_faster_than_an_event_is_heard_after_what_it_brought(part: Part):
+    heard_after: list[int] = []
+    part.follower._take_reply = lambda _reply: heard_after.append(part.heard[0])
+    reply, sequence = BotReply(3, 1, Code.DONE, "there", 2.0, 0.0, 0.0), part.sequence + 1
+    part.wires.takes[topics.BEAT](Beat(2.0, 1, ("fleet manager",), sequence, (reply,)))
+    assert heard_after == []
+    part.wires.takes[topics.EVENTS](Event(2.0, sequence, EventType.WORD_CLEARED))
+    assert heard_after == [0]
+    assert part.heard[0] == 1
+
+
 def test_a_beat_is_not_heard_before_the_world_has_answered_what_it_was_asked(part: Part):
     world = Service()
     answers: list[str] = []

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from soup_sim.pacing import LONGEST_STRIDE_S, LONGEST_STRIDE_SIMULATED_S, Pacer
+from soup_sim.pacing import FASTEST_WITHOUT, LONGEST_STRIDE_S, LONGEST_STRIDE_SIMULATED_S, Pacer
 
 
 def test_time_begins_with_the_first_look():
@@ -69,3 +69,11 @@ def test_a_world_without_a_limit_goes_on_by_whole_strides_whatever_the_wall_cloc
     assert pacer.until(0.0, 0.0) == LONGEST_STRIDE_SIMULATED_S
     assert pacer.until(0.0, LONGEST_STRIDE_SIMULATED_S) == 2.0 * LONGEST_STRIDE_SIMULATED_S
     assert pacer.until(0.5, 99.0) == 100.0
+
+
+@pytest.mark.parametrize(("speed", "most"), [(math.inf, FASTEST_WITHOUT), (50.0, FASTEST_WITHOUT), (5.0, 5.0)])
+def test_a_world_that_goes_on_without_somebody_does_not_race(speed: float, most: float):
+    pacer, now = Pacer(speed, math.inf), 0.0
+    for tick in range(101):
+        now = pacer.until(7.0 + 0.01 * tick, now, without=True)
+    assert now == pytest.approx(most)

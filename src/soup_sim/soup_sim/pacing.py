@@ -8,6 +8,8 @@ LONGEST_STRIDE_S = 0.1  # wall time; a machine that is later than this runs the 
 
 LONGEST_STRIDE_SIMULATED_S = 10.0  # for a world without a limit to its speed
 
+FASTEST_WITHOUT = 10.0  # real-time factor; a part that was only busy for some seconds has not missed the whole run
+
 
 class Pacer:
     """Lets simulated time follow wall time at a real-time factor.
@@ -45,7 +47,7 @@ class Pacer:
         self.paused = False
         self._pause_at = now + seconds
 
-    def until(self, wall: float, now: float) -> float:
+    def until(self, wall: float, now: float, *, without: bool = False) -> float:
         """How far the world may go.
 
         A world that has not gone as far as it might, because it waited, may catch up a little later.
@@ -53,6 +55,7 @@ class Pacer:
         Args:
             wall: Any clock of wall time (s).
             now: The simulated time that the world has reached (s).
+            without: Whether it goes on without somebody for whom it has waited in vain; it does not race then.
 
         Returns:
             The simulated time to go on to, at least `now`.
@@ -65,9 +68,10 @@ class Pacer:
             self._allowed = now
             return now
         self.wall_seconds += elapsed
-        if math.isinf(self.speed):
+        speed = min(self.speed, FASTEST_WITHOUT) if without else self.speed
+        if math.isinf(speed):
             self._allowed = now + LONGEST_STRIDE_SIMULATED_S
         else:
-            stride = LONGEST_STRIDE_S * self.speed
-            self._allowed = min(max(self._allowed, now) + elapsed * self.speed, now + stride)
+            stride = LONGEST_STRIDE_S * speed
+            self._allowed = min(max(self._allowed, now) + elapsed * speed, now + stride)
         return max(now, min(self._allowed, self._pause_at, self.end))

@@ -227,7 +227,7 @@ class WorldNode:
     def _advance(self) -> None:
         """Go as far as the pace allows, but not past an instant at which something was said that a part has to hear."""
         wall, world, listeners = time.monotonic(), self._world, self._listeners
-        until = self._pacer.until(wall, world.now)
+        until = self._pacer.until(wall, world.now, without=bool(listeners.missing))
         while not listeners.wait(wall, paused=self._pacer.paused):
             if not listeners.asked:
                 before = world.now

@@ -85,7 +85,7 @@ class Follower:
         self._concerns = concerns
         self._looks, self._bots, self._take_reply = looks, bots, take_reply
         self._replies: tuple[BotReply, ...] = ()  # that came with the newest beat
-        self._at_it = False  # whether the mind is being told several things, before all of which nothing is heard
+        self._is_behind = False  # whether the mind has not done yet what is due at the newest beat
         self.mail = Mail()
         self._calls = 0  # of the world's services that are not answered yet
         self._reacts: frozenset[EventType] = frozenset()  # as the world was told
@@ -154,7 +154,7 @@ class Follower:
         self.now = announcement.time
         self._stream.restart()
         self.begun = self._owes = self._will_be_asked = False
-        self._replies = ()
+        self._replies, self._is_behind = (), False
         self._calls = 0
         self.mail.tell_all_again()
         self.mind = self._make_mind(announcement)
@@ -171,17 +171,18 @@ class Follower:
             if self._name in beat.parts:
                 self._owes, self._will_be_asked = True, False
             self._replies += beat.replies
-            self._reach()
+            self._is_behind = True
+            self._catch_up()
 
-    def _reach(self) -> None:
-        """Do what is due at the newest beat, once the events before it have come."""
-        if self._lacks_events:
+    def _catch_up(self) -> None:
+        """Do what is due at the newest beat, once the events have come that it may have been faster than."""
+        if self._stream.in_step and self._stream.newest < self._sequence:
             return
-        replies, self._replies, self._at_it = self._replies, (), True
+        replies, self._replies = self._replies, ()
         for reply in replies:
             self._take_reply(reply)
         self._wake()
-        self._at_it = False
+        self._is_behind = False
         self.settle()
 
     def _take_leave(self) -> None:
@@ -196,18 +197,10 @@ class Follower:
 
     def settle(self) -> None:
         """Tell the world how far the part is, if that is news, and nothing is missing that it has to hear first."""
-        if self.mind is None or not self.begun or self._calls or self._at_it:
+        if self.mind is None or not self.begun or self._calls or self._is_behind:
             return
-        if self._owes:
-            if not self._lacks_events:
-                self._say_heard()
-        elif not self._will_be_asked and self._has_news:
+        if self._owes or (not self._will_be_asked and self._has_news):
             self._say_heard()
-
-    @property
-    def _lacks_events(self) -> bool:
-        """Whether the newest beat was faster than an event before it."""
-        return self._stream.in_step and self._stream.newest < self._sequence
 
     @property
     def _has_news(self) -> bool:
@@ -233,8 +226,8 @@ class Follower:
 
     def _on_event(self, event: Event) -> None:
         self._hear(self._stream.take_event(event))
-        if self._owes:
-            self._reach()
+        if self._is_behind:
+            self._catch_up()
 
     def next_snapshot(self, take: Callable[[Snapshot], None]) -> None:
         """Hand over the next snapshot, whoever has asked before."""
@@ -258,7 +251,10 @@ class Follower:
         """Join as soon as everything is there."""
         self._change_over()
         self._will_be_asked = False
-        self.settle()
+        if self._is_behind:
+            self._catch_up()
+        else:
+            self.settle()
         if self._stream.gaps:
             self._report.values["missed_events"] = f"{self._stream.gaps} times"
         if self.announcement is None:
