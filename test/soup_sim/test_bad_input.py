@@ -87,7 +87,7 @@ WRONG_VALUES = [
     (f"word_stations=[{'[1, 2], ' * 1_001}]", "word_stations", "[(1, 2)", "at most 1000 items"),
     (f"name=[{'a, ' * 50_000}]", "name", "['a', 'a'", "string"),
     ('name="a\\nb"', "name", "'a\\nb'", "a name without control characters"),
-    ("bots=[1", "bots", "found no ',' or ']'", "YAML value"),
+    ("bots=[1", "bots", "no ',' or ']'", "YAML value"),
 ]
 
 
