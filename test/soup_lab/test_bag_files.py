@@ -228,6 +228,15 @@ def test_what_is_no_bag_is_told_in_one_line(
     assert str(wrong[name]) in err
 
 
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_a_name_that_no_folder_can_have_is_told_in_one_line(program: str, capsys: pytest.CaptureFixture[str]):
+    assert PROGRAMS[program](Path("x" * 5000)) == 2
+    err = capsys.readouterr().err
+    assert "x: found File name too long; allowed: a rosbag2 bag" in err
+    assert err.count("\n") == 1
+    assert len(err) < 500
+
+
 def test_of_a_damaged_bag_what_is_missing_is_told_before_why_it_is_no_use(
     wrong: dict[str, Path], capsys: pytest.CaptureFixture[str]
 ):

@@ -33,8 +33,12 @@ def open_bag(folder: Path) -> Bag:
     Raises:
         InputError: It is no bag, is empty, or somebody writes it.
     """
-    if not folder.is_dir():
-        found = "a file" if folder.exists() else "no such folder"
+    try:
+        is_folder, exists = folder.is_dir(), folder.exists()
+    except OSError as error:  # a name that no file can have
+        raise InputError(folder, "", error.strerror, f"{ALLOWED} (a folder)") from error
+    if not is_folder:
+        found = "a file" if exists else "no such folder"
         raise InputError(folder, "", found, f"{ALLOWED} (a folder)")
     try:
         if is_cut_off(folder):
