@@ -9,7 +9,7 @@ import pytest
 
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard
-from soup_sim.listeners import BOTS_PATIENCE_S, PATIENCE_S, Listeners
+from soup_sim.listeners import BOTS_PATIENCE_S, FIRST_ANSWERS, FIRST_PATIENCE_S, PATIENCE_S, Listeners
 
 REACTS = frozenset({EventType.BOT_COLLISION, EventType.WORD_COMPLETED})
 FLEET = Heard("fleet manager", 0, math.inf, REACTS)
@@ -28,6 +28,11 @@ def listeners() -> Listeners:
     listeners = Listeners()
     listeners.hear(FLEET, 0.0)
     listeners.hear(BOTS, 0.0)
+    for _ in range(FIRST_ANSWERS):
+        listeners.tell(STRUCK)
+        beat = listeners.beat(0.5, 0.0)
+        for part in (FLEET, BOTS):
+            listeners.hear(answer(part, beat), 0.0)
     listeners.tell(STRUCK)
     return listeners
 
@@ -88,6 +93,15 @@ def test_the_world_loses_its_patience_with_a_part_that_is_silent_until_it_speaks
     listeners.tell(STRUCK)
     listeners.beat(2.0, PATIENCE_S + 1.0)
     assert listeners.wait(PATIENCE_S + 1.0)
+
+
+def test_who_has_just_begun_is_waited_for_while_it_compiles_what_it_computes_with():
+    listeners = Listeners()
+    listeners.hear(FLEET, 0.0)
+    listeners.tell(STRUCK)
+    listeners.beat(1.0, 0.0)
+    assert listeners.wait(FIRST_PATIENCE_S)
+    assert not listeners.wait(FIRST_PATIENCE_S + 0.1)
 
 
 def test_bots_are_waited_for_less_long_than_who_may_have_to_think(listeners: Listeners):

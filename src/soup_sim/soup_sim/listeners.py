@@ -12,6 +12,8 @@ from soup_sim.in_flight import InFlight
 # wall time; a part that is silent for longer is waited for no more, until it speaks again
 PATIENCE_S = 4.0  # managers may have to plan much
 BOTS_PATIENCE_S = 3.0  # bots do not
+FIRST_PATIENCE_S = 120.0  # who has just begun may still have to compile what it computes with
+FIRST_ANSWERS = 20  # then it has had to do most of that
 
 
 @dataclass(slots=True)
@@ -21,6 +23,7 @@ class _Listener:
     asked: bool = False  # whether it is to answer the next beat
     beat: int = 0  # the newest that it is to answer
     expected: bool = False  # whether it has not spoken to this world yet
+    answers: int = 0  # beats that it has answered
 
     @property
     def late(self) -> bool:
@@ -30,6 +33,8 @@ class _Listener:
     @property
     def patience_s(self) -> float:
         """How long it is waited for (wall s)."""
+        if self.answers < FIRST_ANSWERS:
+            return FIRST_PATIENCE_S
         return BOTS_PATIENCE_S if self.said.bots else PATIENCE_S
 
 
@@ -69,7 +74,8 @@ class Listeners:
     def expect(self, parts: Iterable[str], wall: float) -> None:
         """Wait for those who followed a world that goes on now: nothing is to happen that they do not hear of."""
         self._since = wall
-        self._parts |= {name: _Listener(Heard(name, 0, NEVER), NEVER, expected=True) for name in parts}
+        for name in parts:
+            self._parts[name] = _Listener(Heard(name, 0, NEVER), NEVER, expected=True, answers=FIRST_ANSWERS)
 
     @property
     def asked(self) -> bool:
@@ -118,6 +124,7 @@ class Listeners:
             self._in_flight.forget(heard.part)
         else:
             part = self._parts.setdefault(heard.part, _Listener(heard, heard.next_time))
+            part.answers += part.late and heard.beat >= part.beat
             part.said, part.next_time, part.expected = heard, heard.next_time, False
             self._in_flight.hear(heard)
         if not waited:
@@ -161,7 +168,7 @@ class Listeners:
         """How much the world has waited since this was asked last, and for whom most."""
         elapsed, self._asked = wall - self._asked, wall
         waited_s, self._waited_s = self._waited_s, {}
-        if not waited_s:
+        if not any(waited_s.values()):
             return "0 % of the time"
         most = max(waited_s, key=lambda part: waited_s[part])
         return f"{100.0 * sum(waited_s.values()) / elapsed:.0f} % of the time, most for {most}"
