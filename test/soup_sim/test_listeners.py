@@ -95,7 +95,7 @@ def test_the_world_loses_its_patience_with_a_part_that_is_silent_until_it_speaks
     assert listeners.wait(PATIENCE_S + 1.0)
 
 
-def test_who_has_just_begun_is_waited_for_while_it_compiles_what_it_computes_with():
+def test_a_manager_that_has_just_begun_is_waited_for_while_it_compiles_what_it_computes_with():
     listeners = Listeners()
     listeners.hear(FLEET, 0.0)
     listeners.tell(STRUCK)
