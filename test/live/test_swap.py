@@ -21,10 +21,13 @@ class Reports:
 
     def __init__(self, person: Person) -> None:
         self.newest: dict[str, dict[str, str]] = {}
+        self.alike: dict[str, int] = {}  # how often in a row each has said the same
         person.node.create_subscription(DiagnosticArray, "/diagnostics", self._note, 10)
 
     def _note(self, report: Any) -> None:
         for status in report.status:
+            again = status.message == self.value(status.name, "says")
+            self.alike[status.name] = self.alike.get(status.name, 0) + 1 if again else 0
             self.newest[status.name] = {pair.key: pair.value for pair in status.values} | {"says": status.message}
 
     def value(self, name: str, key: str) -> str:
@@ -69,6 +72,9 @@ def test_a_world_without_managers_says_who_starts_them_and_a_part_says_that_it_w
         reports = Reports(person)
         person.wait(lambda: reports.value("bots 0", "says") == "at work", "a bot is at work")
         person.wait(lambda: "no word manager" in reports.value("world", "says"), "the world misses somebody")
+        person.wait(
+            lambda: reports.alike["world"] >= 4, "the world has said so for some seconds, and then in its terminal"
+        )
         assert "nobody drives bots 1 (python3 scripts/run_bots.py 1 starts them)" in reports.value("world", "says")
     out, _ = ended(bots)
     assert "bots 0: at work: policy straight" in out

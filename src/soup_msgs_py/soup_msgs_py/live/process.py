@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import Any
 
 import rclpy
+from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -149,7 +150,11 @@ class Live:
         self._nodes.remove(node)
         self._executor.remove_node(node)
         node.destroy_node()
-        self._left += reversed(list(node.waitables))  # what listens to a subscription before the subscription
+        for waitable in reversed(list(node.waitables)):  # what listens to a subscription before the subscription
+            if isinstance(waitable, ActionServer | ActionClient):  # others see at once that they are gone
+                waitable.destroy()
+            else:
+                self._left.append(waitable)
 
     def guard(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """Wrap a callback: an exception ends the process in order instead of inside the executor."""
