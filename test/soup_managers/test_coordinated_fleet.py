@@ -21,11 +21,10 @@ class SlowWires(Headless):
     """A run in which drives take their time from the fleet to their bots.
 
     Args:
-        slowest_s: They take up to this, simulated.
-        lead_s: What the fleet believes that they take.
+        slowest_s: Every other one takes up to this, simulated, as where the world goes on without the fleet.
     """
 
-    def __init__(self, slowest_s: float, lead_s: float, bots: int) -> None:
+    def __init__(self, slowest_s: float, bots: int) -> None:
         warehouse = load_warehouse(CONFIG / "scenarios/demo.yaml", [f"bots={bots}"])
         self.late = 0
         self._under_way: list[tuple[float, m.DriveGoal]] = []
@@ -35,11 +34,10 @@ class SlowWires(Headless):
         super().__init__(
             warehouse.world(5, 0.0), load_policies(CONFIG / "policies/best.yaml", {}), 5, self.events.append
         )
-        assert isinstance(self.fleet, CoordinatedFleet)
-        self.fleet.lead_s = lead_s
 
     def _say(self, speaker, messages):
-        slow = [message for message in messages if isinstance(message, m.DriveGoal)] if self._slowest_s else []
+        slow = [message for message in messages if self._slowest_s and isinstance(message, m.DriveGoal)]
+        slow = [goal for goal in slow if self._delays.random() < 0.5]
         for goal in slow:
             self._under_way.append((self.world.now + self._delays.uniform(0.0, self._slowest_s), goal))
         self.late += sum(isinstance(message, m.DriveResult) and message.code is Code.LATE for message in messages)
@@ -62,16 +60,8 @@ class SlowWires(Headless):
         return self.count(EventType.BOT_COLLISION, EventType.BUCKET_COLLISION)
 
 
-def test_drives_that_are_told_early_enough_lose_hardly_any_word():
-    at_once, slow = SlowWires(0.0, 0.0, 12), SlowWires(0.2, 0.25, 12)
-    at_once.run(600.0)
-    slow.run(600.0)
-    assert at_once.collisions == slow.collisions == 0
-    assert slow.count(EventType.WORD_COMPLETED) >= 0.9 * at_once.count(EventType.WORD_COMPLETED)
-
-
 def test_a_drive_that_comes_too_late_is_refused_and_planned_anew():
-    run = SlowWires(0.3, 0.25, 1)
+    run = SlowWires(0.3, 1)
     run.run(600.0)
     assert run.late > 0
     assert run.collisions == 0
@@ -79,7 +69,7 @@ def test_a_drive_that_comes_too_late_is_refused_and_planned_anew():
 
 
 def test_no_bucket_is_set_down_where_a_storage_spot_was_taken_away():
-    run = SlowWires(0.0, 0.0, 8)
+    run = SlowWires(0.0, 8)
     run.run(60.0)
     rng = np.random.default_rng(3)
     spots = run.world.layout.storage_spots.tolist()
@@ -106,7 +96,7 @@ def test_no_bucket_is_set_down_where_a_storage_spot_was_taken_away():
 
 
 def test_a_task_tells_whenever_it_waits_for_something_else_or_has_come_further():
-    run = SlowWires(0.0, 0.0, 4)
+    run = SlowWires(0.0, 4)
     told: dict[tuple[str, int], list[m.TaskFeedback]] = {}
     assert isinstance(run.fleet, CoordinatedFleet)
     handle = run.word.handle
@@ -132,7 +122,7 @@ def test_a_task_tells_whenever_it_waits_for_something_else_or_has_come_further()
 
 
 def test_the_newest_reason_of_every_task_has_been_told_a_second_later():
-    run = SlowWires(0.0, 0.0, 4)
+    run = SlowWires(0.0, 4)
     assert isinstance(run.fleet, CoordinatedFleet)
     newest: dict[int, str] = {}
     handle = run.word.handle
@@ -153,7 +143,7 @@ def test_the_newest_reason_of_every_task_has_been_told_a_second_later():
 
 
 def test_a_goal_that_comes_before_its_word_is_opened_is_told_and_can_be_taken_back_or_replaced():
-    run = SlowWires(0.0, 0.0, 4)
+    run = SlowWires(0.0, 4)
     run.run(5.0)
     word = next(iter(run.fleet.view.waiting_words.values()))
     goal = m.DeliverGoal(70_001, 0, word.word, word.tiles)

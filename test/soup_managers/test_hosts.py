@@ -30,11 +30,11 @@ def test_of_two_processes_with_a_bot_the_newer_has_it():
     hosts = Hosts()
     hosts.hear(charge("bots 4", 9, 4))
     hosts.hear(charge("bots 3-5", 1, 3, 4, 5))
-    assert hosts.together(4) == (4,)
-    assert hosts.together(3) == (3, 4, 5)
-    assert hosts.together(7) == (7,)
+    assert hosts.name(4) == "bots 4"
+    assert hosts.name(3) == "bots 3-5"
+    assert hosts.name(7) == ""
     assert hosts.hear(charge("bots 4", 10)) == set()
-    assert hosts.together(4) == (3, 4, 5)
+    assert hosts.name(4) == "bots 3-5"
 
 
 @pytest.mark.parametrize("order", list(permutations(range(3))))
@@ -44,4 +44,4 @@ def test_what_is_told_late_changes_nothing(order: tuple[int, ...]):
     for k in order:
         hosts.hear(said[k])
     assert not hosts.is_gone(0)
-    assert hosts.together(1) == (0, 1)
+    assert hosts.name(1) == "bots 0-1"

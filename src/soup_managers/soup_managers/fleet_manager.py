@@ -47,7 +47,6 @@ class FleetManager(Manager):
     the bots, and its tasks in the goals that their managers send again.
 
     Attributes:
-        lead_s: Not used: its bots set off when they are told.
         wants_places: It does not: where bots stand is in their statuses.
     """
 
@@ -64,7 +63,6 @@ class FleetManager(Manager):
         explain: Explain | None = None,
     ) -> None:
         super().__init__(view)
-        self.lead_s = 0.0
         self._layout = layout
         self._policy = policy
         self._explain = explain or Explain()

@@ -212,7 +212,7 @@ class FleetManagerNode:
         for bot in sorted(self._hosts.hear(charge)):
             self._follower.tell(BotGone(bot))
 
-    def _on_result(self, result: DriveResult | TripResult, answered: bool) -> None:
+    def _on_result(self, result: DriveResult | TripResult) -> None:
         self._follower.tell(result)
 
     def _ask_world(self, wish: SetStorageSpot) -> None:

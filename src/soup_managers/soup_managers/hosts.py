@@ -36,11 +36,6 @@ class Hosts:
         host = self._host.get(bot)
         return host.part if host is not None else ""
 
-    def together(self, bot: int) -> tuple[int, ...]:
-        """The bots of the process that has a bot, itself included."""
-        host = self._host.get(bot)
-        return host.bots if host is not None else (bot,)
-
     def is_gone(self, bot: int) -> bool:
         """Whether somebody had the mind of a bot, and nobody has it now."""
         return bot in self._known and bot not in self._host

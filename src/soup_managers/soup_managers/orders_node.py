@@ -31,7 +31,7 @@ class Orders:
         live: Live,
         node: Node,
         run: Callable[[], int],
-        ended: Callable[[Result, bool], None],
+        ended: Callable[[Result], None],
         host: Callable[[int], str],
         post: Callable[[], Mail],
     ) -> None:
@@ -41,7 +41,7 @@ class Orders:
             live: The process.
             node: The node that asks.
             run: Tells which run of the world it follows.
-            ended: Is told how what it asked for ended, and whether the bot itself says so.
+            ended: Is told how what it asked for ended.
             host: The process that has a bot's mind; empty where nobody has said so.
             post: Where what is sent and heard is counted.
         """
@@ -90,7 +90,7 @@ class Orders:
         """End what was asked of bots that are gone."""
         for bot in [bot for bot, asked in self._asked.items() if asked and not self.is_there(bot)]:
             for gone in self._asked.pop(bot).values():
-                self._ended(gone, False)
+                self._ended(gone)
 
     def clear(self) -> None:
         """Another world has begun."""
@@ -103,4 +103,4 @@ class Orders:
         self._post().got(mail.outcomes(outcome.part))
         number = result.drive if isinstance(result, DriveResult) else result.trip
         self._asked.get(result.bot, {}).pop((type(result), number), None)
-        self._ended(result, True)
+        self._ended(result)

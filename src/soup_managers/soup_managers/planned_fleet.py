@@ -39,7 +39,6 @@ from soup_msgs_py.scenario import Scenario
 RETRY_S = 1.0  # before a bot that could not do something is asked again
 RESULT_LATE_S = 2.0  # an idle bot has forgotten what it was asked for, if no result comes within that time
 NEAR_M = 0.2  # of a cell: a bot is there
-LEAD = 2.0  # times the time that messages take: bots that turn round each other all have to be in time
 _WHY = "this fleet carries out a plan, and serves no stations"
 
 
@@ -59,7 +58,6 @@ class PlannedFleet(Manager):
     are, and where the buckets are, how far each has come.
 
     Attributes:
-        lead_s: How long before their departure bots are told (s): what a message takes to get to them.
         stalled: Bots that could not do what the plan says, and why.
     """
 
@@ -72,7 +70,6 @@ class PlannedFleet(Manager):
         """
         super().__init__(view)
         assert isinstance(scenario.layout, CellsLayout), "looked at by `check_fleet`"
-        self.lead_s = 0.0
         self.stalled: dict[int, str] = {}
         self._layout = layout
         self._world = scenario.layout.world
@@ -301,14 +298,13 @@ class PlannedFleet(Manager):
             actions = self._actions[bot]
             if place == len(actions) or actions[place].step != action.step or not self._is_free(bot):
                 return []
-        begins = now + LEAD * self.lead_s
         said: list[Message] = []
         for bot, place in ring.items():
             points = tuple(
                 self._place(cell) for cell in (self._actions[bot][place].here, self._actions[bot][place].there)
             )
             number = self._ask(bot, place + 1, now)
-            said.append(DriveGoal(bot, number, points, (begins, begins + self._move_s)))
+            said.append(DriveGoal(bot, number, points, (now, now + self._move_s)))
         return said
 
     def _ask(self, bot: int, end: int, now: float) -> int:

@@ -29,7 +29,7 @@ from soup_msgs_py.live.report import WAITS, PartsWatch, Report
 from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.live.vacancies import Vacancies
 from soup_msgs_py.messages import BotReply, Event, Heard, Reply, WorldState
-from soup_msgs_py.mind import Message
+from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.output_files import OutputError
 from soup_msgs_py.part_arguments import parse_world
 from soup_msgs_py.policies import Policies, policies_of
@@ -69,7 +69,7 @@ from soup_sim.summary import lateness, table
 from soup_sim.world import World
 
 TICK_S = 0.01  # wall time between two looks at the pace
-CLOCK_S = 0.04  # wall time between two ticks of /clock; parts that follow the world hear its beats besides
+CLOCK_S = 0.04  # wall time between two ticks of /clock, and between two beats at most while time goes on
 JUDGE_S = 0.2  # wall time between two looks of the judge at where everything is
 SLOWEST_POSES_S, FASTEST_POSES_S = 0.1, 1.0 / 30.0  # wall time between two poses
 MARKERS_S = 0.25
@@ -144,6 +144,8 @@ class WorldNode:
         self._every_s = self._checkpoint_due = 0.0
         self._poses_s = world.scenario.bot.radius_m / world.scenario.bot.max_speed_mps
         self._clock_due = self._poses_due = self._judge_due = 0.0
+        self._poses_at = world.now  # simulated time (s) of the next poses, where the pace has a limit
+        self._told_time = -1.0  # simulated time (s) of the newest beat
         live.every(TICK_S, self._tick)
         live.every(SNAPSHOT_S, self._publish_snapshot)
         live.every(STATIONS_S, lambda: self._publish(self._stations, world.stations()))
@@ -197,12 +199,9 @@ class WorldNode:
         if wall >= self._clock_due:
             self._clock_due = wall + CLOCK_S
             self._clock.publish(Clock(clock=to_stamp(world.now)))
+            self._tell_time()
         if wall >= self._poses_due:
-            period = self._poses_s / self._pacer.speed
-            self._poses_due = wall + min(max(period, FASTEST_POSES_S), SLOWEST_POSES_S)
-            if self._buckets.get_subscription_count():
-                self._publish(self._buckets, world.buckets())
-            self._publish(self._bots, world.bots())
+            self._publish_poses()
         if wall >= self._judge_due:
             self._judge_due = wall + JUDGE_S
             self._record.poses(world.bots(), world.buckets())
@@ -231,17 +230,30 @@ class WorldNode:
         while not listeners.wait(wall, paused=self._pacer.paused):
             if not listeners.asked:
                 before = world.now
-                said = world.advance(max(world.now, min(until, listeners.next_time)), pause=True)
+                until_then = min(until, listeners.next_time, self._poses_at)
+                said = world.advance(max(world.now, until_then), pause=True)
                 listeners.went_on(world.now - before)
                 self._tell(said)
+                if world.now >= self._poses_at:
+                    self._publish_poses()
                 if not listeners.asked and world.now < listeners.next_time:
-                    if said:
+                    if said or world.now < until:
                         continue  # nobody has to hear it
                     return
             if listeners.next_time <= world.now:
                 self._publish(self._sensed_buckets, world.buckets())
                 self._publish(self._sensed_bots, world.bots())
-            self._publish(self._beat, listeners.beat(world.now, wall, world.sequence))
+            self._publish_beat(wall)
+
+    def _tell_time(self) -> None:
+        """Let parts that nothing has concerned for a while know how late it is; anybody may publish on /clock."""
+        wall, now = time.monotonic(), self._world.now
+        if now > self._told_time and not self._listeners.wait(wall, paused=self._pacer.paused):
+            self._publish_beat(wall)
+
+    def _publish_beat(self, wall: float) -> None:
+        self._told_time = self._world.now
+        self._publish(self._beat, self._listeners.beat(self._told_time, wall, self._world.sequence))
 
     def _on_heard(self, message: msg.Heard) -> None:
         heard: Heard = from_ros(message)
@@ -323,6 +335,7 @@ class WorldNode:
             answer.give(fill_result(srv.SetSpeed.Response(), Code.INVALID, why))
             return
         self._pacer.speed = factor
+        self._publish_poses()
         answer.give(fill_result(srv.SetSpeed.Response(), Code.DONE, f"the real-time factor is {factor:g}"))
 
     def _on_checkpoint(self, request: srv.Checkpoint.Request, answer: Answer) -> None:
@@ -351,6 +364,21 @@ class WorldNode:
         books = self._record.capture()
         more = {"wall_seconds": self._pacer.wall_seconds, "parts": tuple(self._listeners.names)}
         write_checkpoint(path, self._world, books.model_copy(update=more))
+
+    def _publish_poses(self) -> None:
+        """Tell where everything is, often enough in simulated time to see the turns of a path, and again after that.
+
+        A machine that is busy does not see less of the run; a world without a limit to its speed goes by wall time.
+        """
+        wall, world, speed = time.monotonic(), self._world, self._pacer.speed
+        if math.isinf(speed):
+            self._poses_due, self._poses_at = wall + FASTEST_POSES_S, NEVER
+        else:
+            period = min(max(self._poses_s, FASTEST_POSES_S * speed), SLOWEST_POSES_S * speed)
+            self._poses_due, self._poses_at = wall + SLOWEST_POSES_S, world.now + period
+        if self._buckets.get_subscription_count():
+            self._publish(self._buckets, world.buckets())
+        self._publish(self._bots, world.bots())
 
     def _publish(self, publisher: Any, message: Any) -> None:
         publisher.publish(to_ros_of(self._world.run, message))

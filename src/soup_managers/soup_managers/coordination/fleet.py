@@ -163,15 +163,6 @@ class CoordinatedFleet(Manager):
                 said.append(TaskFeedback(job.kind, job.number, tuple(job.missing), told[1]))
 
     @property
-    def lead_s(self) -> float:
-        """How long before their departure bots are told (s): what a message takes to get to them."""
-        return self._whereabouts.lead_s
-
-    @lead_s.setter
-    def lead_s(self, seconds: float) -> None:
-        self._whereabouts.lead_s = seconds
-
-    @property
     def stalled(self) -> dict[int, str]:
         """Bots that are left alone until they answer and are seen where they stand, and what went wrong."""
         return {bot: robot.note for bot, robot in sorted(self._watch.lost.items())}
@@ -253,7 +244,7 @@ class CoordinatedFleet(Manager):
             situation.spot_of[event.bucket] = spot
             self._places.set_down(spot)
         elif kind is EventType.BOT_COLLISION or kind is EventType.BUCKET_COLLISION:
-            self._watch.collided(event.bots, now, self.lead_s)
+            self._watch.collided(event.bots, now)
         elif kind is EventType.SPOT_MADE or kind is EventType.SPOT_REMOVED:
             self._places.allow(event.waypoint, kind is EventType.SPOT_MADE)
         return []
@@ -445,7 +436,7 @@ class CoordinatedFleet(Manager):
         leg = self._traffic.plan(
             robot.number,
             goal,
-            now + self._whereabouts.lead_s,
+            now,
             loaded=loaded,
             blocked_spots=self._places.occupied,
             hurried=hurried or looks > LOOKS,
@@ -457,7 +448,7 @@ class CoordinatedFleet(Manager):
         self._orders += 1
         robot.order = self._orders
         robot.blocked_since = NEVER
-        self._watch.asked(robot, now, leg.depart, self._whereabouts.lead_s)
+        self._watch.asked(robot, now, leg.depart)
         self._said.append(DriveGoal(robot.number, robot.order, leg.points, leg.stamps, robot.bucket))
         return True
 

@@ -11,7 +11,6 @@ from soup_msgs_py.mind import NEVER
 
 HEARD_S = 0.01  # after its departure at the latest, a bot must have said that it drives
 ANSWER_S = 0.5  # so long it may think before it says so
-ANSWER_LEADS = 10.0  # and so many times as long as a message usually takes, on a machine that is busy just then
 RESULT_LATE_S = 1.0  # after a bot has said that it is idle, the result of what it did is waited for so long
 SILENT_S = 10.0  # a bot that has never said anything and has stood for so long is taken for dead
 STRANGE_S = 30.0  # the same for one that works for somebody else
@@ -59,24 +58,24 @@ class Watch:
 
     # ---- what bots are asked for and say -----------------------------------------------------------------------
 
-    def asked(self, robot: Robot, now: float, depart: float, lead_s: float) -> None:
+    def asked(self, robot: Robot, now: float, depart: float) -> None:
         """A bot was asked to drive."""
         robot.asked_at = now
         self._doubted.pop(robot.number, None)
-        self._unheard[robot.number] = min(depart, _answered(now, lead_s)) + HEARD_S
+        self._unheard[robot.number] = min(depart, now + ANSWER_S) + HEARD_S
 
-    def told_to_stop(self, robot: Robot, now: float, lead_s: float) -> float:
+    def told_to_stop(self, robot: Robot, now: float) -> float:
         """A bot was told to stop on its way; by when it says so (s), if it hears."""
-        self._stopping[robot.number] = _answered(now, lead_s)
+        self._stopping[robot.number] = now + ANSWER_S
         return self._stopping[robot.number]
 
-    def collided(self, bots: Sequence[int], now: float, lead_s: float) -> None:
+    def collided(self, bots: Sequence[int], now: float) -> None:
         """A collision has stopped bots on their way, also those for which nobody answers."""
         for bot in bots:
             if bot in self.silent:
                 self._struck[bot] = now
             elif self._robots[bot].activity is Activity.DRIVES:
-                self._struck[bot] = _answered(now, lead_s)
+                self._struck[bot] = now + ANSWER_S
 
     def struck(self, seen_at: float) -> list[Robot]:
         """Bots that have not told that a collision stopped them, and were seen since; they are told of once."""
@@ -175,8 +174,3 @@ class Watch:
             if now - since >= (STRANGE_S if bot in self._spoke else SILENT_S):
                 dead.append(robot)
         return dead
-
-
-def _answered(now: float, lead_s: float) -> float:
-    """When a bot must have answered what it is told now."""
-    return now + ANSWER_LEADS * lead_s + ANSWER_S

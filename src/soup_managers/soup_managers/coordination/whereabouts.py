@@ -27,7 +27,6 @@ class Whereabouts:
     """Enters bots in the fleet's books: where they are seen, where an earlier fleet sent them, where they went wrong.
 
     Attributes:
-        lead_s: How long before their departure bots are told (s): what a message takes to get to them.
         halted: Bots that were told to stop on their way, and are not seen to stand yet.
     """
 
@@ -56,7 +55,6 @@ class Whereabouts:
             watch: Knows whom nobody can rely on.
             said: Where messages to bots are put.
         """
-        self.lead_s = 0.0
         self.halted: set[int] = set()
         self._layout, self._view, self._situation = layout, view, situation
         self._traffic, self._places, self._lines, self._watch, self._said = traffic, places, lines, watch, said
@@ -194,8 +192,7 @@ class Whereabouts:
         elif not gone:
             if drove and robot.number not in self.halted:
                 # it has stopped near where it was then: nobody must be sent there
-                stopped = self._watch.idle_since(robot.number, now)
-                self._traffic.halt(robot.number, stopped - 2.0 * self.lead_s, 2.0 * self.lead_s)
+                self._traffic.halt(robot.number, self._watch.idle_since(robot.number, now), 0.0)
                 self._stop_others(robot, now)
             robot.arrives = now
         if gone:
@@ -243,6 +240,6 @@ class Whereabouts:
                 if other.activity is Activity.DRIVES and number not in self.halted and not other.adopted:
                     self.halted.add(number)
                     self._said.append(CancelDrive(number, other.order))
-                    answered = self._watch.told_to_stop(other, now, self.lead_s)
+                    answered = self._watch.told_to_stop(other, now)
                     self._traffic.halt(number, now, answered - now)  # until then it may drive on
                     stopped.append(other)

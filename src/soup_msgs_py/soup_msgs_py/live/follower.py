@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 from rclpy.node import Node
-from rosgraph_msgs.msg import Clock
 from soup_msgs import msg
 
 from soup_msgs_py import topics
@@ -19,8 +18,8 @@ from soup_msgs_py.live.report import Report
 from soup_msgs_py.mail import Mail
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind
-from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
-from soup_msgs_py.wire import Announcement, from_ros, from_stamp, read_cdr, to_ros_of
+from soup_msgs_py.qos import EVERY_ONE, LATCHED
+from soup_msgs_py.wire import Announcement, from_ros, read_cdr, to_ros_of
 
 LOOK_S = 0.1  # how often a part that waits looks whether it still has to
 
@@ -100,7 +99,6 @@ class Follower:
         self._snapshot: Snapshot | None = None  # the newest one, while it may be needed
         self._asked: Callable[[Snapshot], None] | None = None  # who wants the next one
         live.follow(node, msg.Scenario, topics.SCENARIO, self._on_announcement, LATCHED)
-        live.subscribe(node, Clock, topics.CLOCK, self._on_clock, DISPLAY)
         live.follow(node, msg.Beat, topics.BEAT, self._on_beat, LATCHED, run=lambda: self.run)
         live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE, run=lambda: self.run)
         live.subscribe(node, msg.Snapshot, topics.SNAPSHOT, self._on_snapshot, LATCHED, raw=True)
@@ -159,14 +157,10 @@ class Follower:
         self.mail.tell_all_again()
         self.mind = self._make_mind(announcement)
 
-    def _on_clock(self, clock: Clock) -> None:
-        self.now = self._report.time = from_stamp(clock.clock)
-        self._wake()
-
     def _on_beat(self, beat: Beat) -> None:
         self._allegiance.hear(self.run, time.monotonic())
         self._beat, self._sequence = beat.number, beat.sequence
-        self.now = max(self.now, beat.time)
+        self.now = self._report.time = max(self.now, beat.time)
         if self.begun:
             if self._name in beat.parts:
                 self._owes, self._will_be_asked = True, False
