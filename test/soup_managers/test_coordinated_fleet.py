@@ -15,13 +15,14 @@ from soup_sim.setup import load_warehouse
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 STEP_S = 0.05
+LATE = 0.2  # of all drives
 
 
 class SlowWires(Headless):
     """A run in which drives take their time from the fleet to their bots.
 
     Args:
-        slowest_s: Every other one takes up to this, simulated, as where the world goes on without the fleet.
+        slowest_s: One in five takes up to this, simulated, as where the world goes on without the fleet.
     """
 
     def __init__(self, slowest_s: float, bots: int) -> None:
@@ -37,7 +38,7 @@ class SlowWires(Headless):
 
     def _say(self, speaker, messages):
         slow = [message for message in messages if self._slowest_s and isinstance(message, m.DriveGoal)]
-        slow = [goal for goal in slow if self._delays.random() < 0.5]
+        slow = [goal for goal in slow if self._delays.random() < LATE]
         for goal in slow:
             self._under_way.append((self.world.now + self._delays.uniform(0.0, self._slowest_s), goal))
         self.late += sum(isinstance(message, m.DriveResult) and message.code is Code.LATE for message in messages)
