@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from _command_line import start
+from soup_lab.lab_arguments import parse_chaos
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.chaos_node", scripts=Path(__file__).resolve().parent))
+    sys.exit(start("soup_lab.chaos_node", parse_chaos, scripts=Path(__file__).resolve().parent))

@@ -6,7 +6,8 @@ _environment.enter()
 
 import sys
 
-from soup_lab.reference_cli import main
+from _command_line import start
+from soup_lab.lab_arguments import parse_reference
 
 if __name__ == "__main__":
-    sys.exit(main(_environment.ROOT / "docs" / "reference", sys.argv[1:]))
+    sys.exit(start("soup_lab.reference_cli", parse_reference, folder=_environment.ROOT / "docs" / "reference"))

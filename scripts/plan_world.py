@@ -7,6 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import start
+from soup_lab.lab_arguments import parse_plan
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.plan_cli"))
+    sys.exit(start("soup_lab.plan_cli", parse_plan))

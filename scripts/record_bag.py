@@ -7,6 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import start
+from soup_lab.bag_arguments import parse_record
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.bag_record_node"))
+    sys.exit(start("soup_lab.bag_record_node", parse_record))

@@ -7,6 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import POLICIES, start
+from soup_lab.lab_arguments import parse_swap
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.swap_cli", policies=POLICIES))
+    sys.exit(start("soup_lab.swap_cli", parse_swap, policies=POLICIES))

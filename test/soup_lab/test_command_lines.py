@@ -12,13 +12,15 @@ import pytest
 import _environment
 from soup_bots.steering import KNOWN as STEERING
 from soup_lab.headless_arguments import DEFAULT_DURATION_S, parse
+from soup_lab.lab_arguments import PLANNERS, parse_swap
+from soup_managers.planners.known import PLANNERS as KNOWN_PLANNERS
 from soup_managers.policies import FLEET, LETTER, WORD
 from soup_msgs_py.policies import NAMES
 
 SCRIPTS = _environment.ROOT / "scripts"
 PATIENCE_S = 100.0
-SLOW = ("numpy", "numba", "scipy", "rclpy", "rich", "nicegui")  # to load
-PARSERS = ("soup_lab.headless_arguments", "soup_lab.warehouse_arguments", "soup_msgs_py.part_arguments")
+SLOW = ("numpy", "numba", "scipy", "rclpy", "soup_msgs", "rich", "nicegui", "matplotlib", "rosbags", "dask")  # to load
+PROGRAMS = sorted(file.stem for file in SCRIPTS.glob("*.py") if not file.stem.startswith("_"))
 
 
 def run(*command: str, folder: Path | None = None) -> subprocess.Popen[str]:
@@ -33,14 +35,7 @@ def run(*command: str, folder: Path | None = None) -> subprocess.Popen[str]:
     )
 
 
-@pytest.mark.parametrize("module", PARSERS)
-def test_help_waits_for_nothing_that_is_slow_to_load(module: str):
-    program = f"import sys, {module}; print([name for name in {SLOW} if name in sys.modules])"
-    out, err = run("-c", program).communicate(timeout=PATIENCE_S)
-    assert out == "[]\n", err
-
-
-@pytest.mark.parametrize("script", ["run_headless", "run_warehouse", "run_world", "run_bots", "run_word_manager"])
+@pytest.mark.parametrize("script", PROGRAMS)
 def test_help_is_told_before_the_program_is_loaded(script: str):
     loaded = f"""
 import runpy, sys
@@ -59,6 +54,22 @@ except SystemExit as end:
 def test_the_names_of_policies_in_the_help_are_those_that_there_are():
     known = {"word": WORD, "letter": LETTER, "fleet": FLEET, "bot": STEERING}
     assert {role: tuple(sorted(policies)) for role, policies in known.items()} == NAMES
+
+
+def test_the_names_of_planners_in_the_help_are_those_that_there_are():
+    assert tuple(KNOWN_PLANNERS) == PLANNERS
+
+
+def test_what_is_wrong_with_the_part_that_takes_over_is_told_before_the_program_is_loaded(
+    capsys: pytest.CaptureFixture[str],
+):
+    for wrong in (["fleet", "--polcy", "x"], ["0-5", "--take-over"], ["soup"], [""]):
+        with pytest.raises(SystemExit) as ends:
+            parse_swap(wrong)
+        assert ends.value.code == 2
+        assert len(capsys.readouterr().err.splitlines()) == 1
+    assert parse_swap(["fleet", "--policy", "minimal"]) == ("fleet", ["--policy", "minimal", "--take-over"])
+    assert parse_swap(["0-5", "--seed", "3"]) == ("0-5", ["0-5", "--seed", "3"])
 
 
 def test_the_help_of_a_run_in_one_process_names_its_end_and_its_policies(capsys: pytest.CaptureFixture[str]):

@@ -27,14 +27,14 @@ def test_the_documents_are_those_that_the_code_gives():
 
 
 def test_a_document_that_differs_is_named_and_only_then_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    assert main(tmp_path, []) == 0
+    assert main([], folder=tmp_path) == 0
     capsys.readouterr()
-    assert main(tmp_path, ["--check"]) == 0
+    assert main(["--check"], folder=tmp_path) == 0
     page = tmp_path / "figures.md"
     page.write_text(page.read_text(encoding="utf-8").replace("seed", "sid"), encoding="utf-8")
-    assert main(tmp_path, ["--check"]) == 1
+    assert main(["--check"], folder=tmp_path) == 1
     assert re.fullmatch(r".*figures\.md: found [^\n]*scripts/make_reference\.py\n", capsys.readouterr().err)
-    assert main(tmp_path, []) == 0
+    assert main([], folder=tmp_path) == 0
     assert capsys.readouterr().out == f"wrote {page}\n"
     assert sorted(file.name for file in tmp_path.iterdir()) == sorted(PAGES)
 

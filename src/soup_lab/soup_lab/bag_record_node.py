@@ -17,13 +17,13 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 from rich.console import Console
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 
+from soup_lab.bag_arguments import parse_record
 from soup_lab.bag_gaps import Gaps
 from soup_lab.bag_repair import go_on, is_cut_off
 from soup_lab.bag_types import Definitions, UnknownType, message_class
 from soup_lab.bag_writer import NEVER, BagWriter, Topic
 from soup_lab.progress import PLAIN_S, ProgressLine
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import Parser, bag_folder, pattern, positive
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
@@ -48,7 +48,6 @@ TELL_S = 0.5
 DRAIN_S, QUIET_S = 1.5, 0.4  # at the end, for what has arrived already, also on a busy machine
 DEPTH = 10_000  # messages that may wait to be written
 MIB = 1 << 20
-LEAST_FREE_MIB = 200.0
 
 
 @dataclass
@@ -279,31 +278,9 @@ def offered(profile: QoSProfile) -> Qos:
     )  # fmt: skip
 
 
-def parse(argv: Sequence[str] | None) -> argparse.Namespace:
-    """Read the command line."""
-    parser = Parser("Record a live warehouse, or any ROS graph, into a rosbag2 bag (MCAP).")
-    parser.add_argument("folder", type=bag_folder, metavar="DIR", help="the bag; it must not exist yet")
-    parser.add_argument("--topics", type=pattern, metavar="REGEX", help="only topics whose whole name matches")
-    parser.add_argument("--exclude", type=pattern, metavar="REGEX", help="no topics whose whole name matches")
-    parser.add_argument("--compression", choices=("zstd", "none"), default="zstd", help="of the bag (default: zstd)")
-    parser.add_argument(
-        "--split-mib",
-        type=positive,
-        default=2048.0,
-        metavar="MIB",
-        help="begin a new file after this size (default: 2048)",
-    )
-    parser.add_argument("--split-s", type=positive, metavar="S", help="begin a new file after so many wall seconds")
-    parser.add_argument(
-        "--leave-free-mib", type=positive, default=LEAST_FREE_MIB, metavar="MIB", help="end before the disk is full"
-    )
-    parser.add_argument("--go-on", action="store_true", help="continue in DIR if a recorder was killed there")
-    return parser.parse_args(argv)
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Record until a signal comes; the exit status."""
-    options = parse(argv)
+    options = parse_record(argv)
     return exit_status(lambda: record(options))
 
 

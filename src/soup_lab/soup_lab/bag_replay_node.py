@@ -9,7 +9,6 @@ import sys
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -19,6 +18,7 @@ from rosbags.interfaces import Qos, QosDurability, QosReliability
 from soup_msgs import srv
 from std_srvs.srv import SetBool
 
+from soup_lab.bag_arguments import parse_replay
 from soup_lab.bag_pace import ReplayPace
 from soup_lab.bag_reader import Bag, Recorded, open_bag
 from soup_lab.bag_record_node import COMPLETE
@@ -26,7 +26,6 @@ from soup_lab.bag_record_node import NAME as RECORDER
 from soup_lab.bag_record_node import NODE as RECORDER_NODE
 from soup_lab.bag_types import UnknownType, is_installed, message_class
 from soup_lab.progress import PLAIN_S, ProgressLine
-from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import InputError
@@ -254,27 +253,9 @@ def lateness(replay: Replay) -> str:
     return text + (f" · slower than asked by {replay.given_up_s:.1f} s" if replay.given_up_s else "")
 
 
-def parse(argv: Sequence[str] | None) -> argparse.Namespace:
-    """Read the command line."""
-    parser = args.Parser("Replay a bag with its timing, as if the warehouse were running; /clock goes with it.")
-    parser.add_argument("folder", type=Path, metavar="DIR", help="the bag")
-    parser.add_argument(
-        "--speed",
-        type=args.speed,
-        default=1.0,
-        metavar="X",
-        help="how many times the recorded speed, or max (default: 1)",
-    )
-    parser.add_argument("--start", type=args.not_negative, metavar="T", help="begin at this simulated second")
-    parser.add_argument("--loop", action="store_true", help="begin again at the end")
-    parser.add_argument("--paused", action="store_true", help="begin paused, until /world/pause is called")
-    parser.add_argument("--topics", type=args.pattern, metavar="REGEX", help="only topics whose whole name matches")
-    return parser.parse_args(argv)
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Replay a bag; the exit status."""
-    options = parse(argv)
+    options = parse_replay(argv)
     return exit_status(lambda: replay(options))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Sequence
@@ -12,11 +11,11 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from soup_lab.bag_arguments import parse_summary
 from soup_lab.bag_course import Course, read_course
 from soup_lab.bag_judge import Verdict, judge_course
 from soup_lab.bag_reader import Bag, open_bag
 from soup_lab.bag_summary import differences, summarize
-from soup_msgs_py import arguments as args
 from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.figures import known
@@ -27,22 +26,10 @@ FIGURES = "a summary that --summary has written"
 LARGEST_SUMMARY_BYTES = 10_000_000
 
 
-def parse(argv: Sequence[str] | None) -> argparse.Namespace:
-    """Read the command line."""
-    parser = args.Parser("Compute the figures of a run from the events in its bag.")
-    parser.add_argument("folder", type=Path, metavar="DIR", help="the bag")
-    parser.add_argument("--compare", type=Path, metavar="JSON", help="show where the figures of this summary differ")
-    parser.add_argument(
-        "--warmup", type=args.not_negative, metavar="S", help="simulated seconds not counted (default: as in the run)"
-    )
-    parser.add_argument("--summary", type=args.output_file, metavar="FILE", help="write the figures as JSON")
-    return parser.parse_args(argv)
-
-
 @on_display
 def main(argv: Sequence[str] | None = None) -> int:
     """Write the summary, print the table; the exit status: 1 where counted figures differ."""
-    options = parse(argv)
+    options = parse_summary(argv)
     console = Console()
     try:
         theirs = read_summary(options.compare) if options.compare is not None else None

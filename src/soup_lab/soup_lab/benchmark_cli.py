@@ -10,9 +10,9 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from soup_lab.lab_arguments import ENGINE, PLANNER, parse_benchmark
 from soup_lab.planner_speed import NEW, draw_searches, searches
 from soup_lab.speed import Measured, at_constant_density, growth, measure_apart
-from soup_msgs_py import arguments as args
 from soup_msgs_py.display import on_display
 from soup_msgs_py.output_files import OutputError
 from soup_msgs_py.policies import Policies, load_policies
@@ -21,32 +21,12 @@ from soup_sim.summary import write_summary
 ROOT = Path(__file__).resolve().parents[3]
 SCENARIOS = ROOT / "config/scenarios"
 FLEETS = (125, 250, 500, 1000)
-ENGINE, POLICIES, PLANNER = "engine", "policies", "planner"
 
 
 @on_display
 def main(argv: list[str] | None = None) -> int:
     """Measure what the command line names; the exit status."""
-    parser = args.Parser("Measure how fast the warehouse runs in one process, on one core.")
-    parser.add_argument(
-        "what",
-        choices=[ENGINE, POLICIES, PLANNER],
-        help="engine: paper.yaml, large.yaml and scaled versions of paper.yaml, with minimal policies; "
-        "policies: both scenarios with minimal and with best policies; planner: the figures of the 2023 paper",
-    )
-    parser.add_argument(
-        "--seconds", type=args.positive, default=300.0, metavar="S", help="simulated seconds of each run (default: 300)"
-    )
-    parser.add_argument("--summary", type=args.output_file, metavar="FILE", help="write the figures as JSON")
-    parser.add_argument(
-        "--time-limit",
-        type=args.positive,
-        default=60.0,
-        metavar="S",
-        help="planner: wall seconds of each search (default: 60)",
-    )
-    parser.add_argument("--picture", type=args.output_file, metavar="FILE", help="planner: draw plots (.png or .svg)")
-    options = parser.parse_args(argv)
+    options = parse_benchmark(argv)
     console = Console(width=max(Console().width, 110))  # a file or pipe is as wide as the table needs
     if options.what == PLANNER:
         return _planner(options, console)

@@ -21,7 +21,7 @@ from rich.console import Console
 from rich.table import Table
 from soup_msgs import msg
 
-from soup_msgs_py import arguments as args
+from soup_lab.lab_arguments import parse_chaos
 from soup_msgs_py import topics
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.errors import RunError
@@ -30,6 +30,7 @@ from soup_msgs_py.live.domain import stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import PartsWatch
 from soup_msgs_py.messages import Event
+from soup_msgs_py.policies import MANAGERS
 from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
 from soup_msgs_py.wire import from_ros, from_statistics
 
@@ -47,7 +48,6 @@ word: in_stock
 letter: minimal
 fleet: {name: coordinated, options: {buckets: nearest, storage: nearest, onward: store}}
 """
-ROLES = ("word", "letter", "fleet")
 FAILED = re.compile(r"ended with status [1-9]")  # what the warehouse says of a part that was not killed
 WIDE = "1000"  # columns of what it says, so that each part that ended has one line
 
@@ -137,7 +137,7 @@ class Chaos:
             ("kill a quarter of the bots", lambda: self._kill(self._some_bots())),
             (f"stop a quarter of the bots for {STOPPED_S:g} s", self._stop),
         ]
-        for role in ROLES:
+        for role in MANAGERS:
             choices.append((f"kill the {role} manager", lambda role=role: self._kill(f"{role} manager")))
             choices.append((f"swap the {role} manager and back", lambda role=role: self._swap(role)))
         return choices
@@ -220,34 +220,18 @@ class Chaos:
 
 def main(argv: Sequence[str] | None = None, *, scripts: Path) -> int:
     """Run a warehouse, and strike it again and again; the exit status."""
-    parser = args.Parser(
-        "Run a warehouse and do to it whatever can happen: kill and restart managers, bots and the world, swap "
-        "managers, stop processes for a while. Prints what was done and how long no word was completed after it."
-    )
-    parser.add_argument(
-        "--minutes", type=args.positive, default=5.0, metavar="M", help="wall time in minutes (default: 5)"
-    )
-    parser.add_argument("--seed", type=args.seed, default=0, help="of what is done, and when (default: 0)")
-    parser.add_argument("--scenario", type=Path, metavar="FILE", help="the scenario (default: the demo)")
-    parser.add_argument("--policies", type=Path, metavar="FILE", help="the policies file (default: the best policies)")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="override one scenario value")
-    parser.add_argument(
-        "--event-log", type=Path, metavar="FILE", help="write all events of the warehouse as JSON lines"
-    )
-    parser.add_argument("--record", type=Path, metavar="DIR", help="record all topics of the warehouse")
-    args.add_speed(parser)
-    options = parser.parse_args(argv)
-    return exit_status(lambda: run(options, scripts))
+    options = parse_chaos(argv, scripts)
+    return exit_status(lambda: run(options))
 
 
-def run(options: argparse.Namespace, scripts: Path) -> int:
+def run(options: argparse.Namespace) -> int:
     """Run the warehouse and strike it.
 
     Raises:
         RunError: No word came for too long, a law was broken, or a task was lost.
     """
     console = Console()
-    command = [sys.executable, str(scripts / "run_warehouse.py"), "--no-dashboard", "--seed", str(options.seed)]
+    command = [sys.executable, str(options.scripts / "run_warehouse.py"), "--no-dashboard", "--seed", str(options.seed)]
     command += ["--bot-processes", str(QUARTERS), "--speed", str(options.speed).replace("inf", "max")]
     command += [f"--set={override}" for override in options.set]
     for name in ("scenario", "policies", "event_log", "record"):
@@ -261,7 +245,7 @@ def run(options: argparse.Namespace, scripts: Path) -> int:
         with open(Path(folder) / "said", "w+", encoding="utf-8") as said:
             command += ["--summary", str(summary)]
             warehouse = subprocess.Popen(command, stdout=said, stderr=said, env={**os.environ, "COLUMNS": WIDE})
-            chaos = Chaos(live, random.Random(options.seed), scripts, policies, console)
+            chaos = Chaos(live, random.Random(options.seed), options.scripts, policies, console)
             try:
                 _strike_on(chaos, live, warehouse, 60.0 * options.minutes)
             finally:

@@ -20,8 +20,8 @@ from soup_lab.compare_report import report
 from soup_lab.compare_runs import Failure, Job, OtherCodeError, Outcome, Outcomes, jobs, run_local, run_on_dask
 from soup_lab.compare_store import Store
 from soup_lab.compare_table import markdown, screen
+from soup_lab.lab_arguments import parse_compare
 from soup_lab.runs import Summary
-from soup_msgs_py import arguments as args
 from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.figures import told
@@ -31,35 +31,10 @@ STARTS = 3
 TABLE_WIDTH = 190  # characters that the table needs; a file or a pipe has them
 
 
-def parse(argv: list[str] | None) -> argparse.Namespace:
-    """Read the command line."""
-    parser = args.Parser(
-        "Compare policies: run all variants of an experiment; show confidence intervals and write a report."
-    )
-    parser.add_argument(
-        "experiment", type=Path, metavar="EXPERIMENT.yaml", help="the experiment, as in config/experiments"
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder of the results (default: results/ and the name of the file)"
-    )
-    parser.add_argument(
-        "--replications", type=args.replications, metavar="N", help="runs of each variant, each with its own seed"
-    )
-    parser.add_argument(
-        "--processes", type=args.processes, metavar="N", help="runs at the same time (default: one for each core)"
-    )
-    parser.add_argument("--scheduler", metavar="ADDRESS", help="run on the dask cluster at this address")
-    parsed = parser.parse_args(argv)
-    if parsed.scheduler is not None and parsed.processes is not None:
-        parser.error("--processes: found --scheduler too; allowed: one of them, a cluster has its own processes")
-    parsed.out = parsed.out or Path("results") / parsed.experiment.stem
-    return parsed
-
-
 @on_display
 def main(argv: list[str] | None = None) -> int:
     """Run what is not there yet, print the table, write the report; the exit status."""
-    options = parse(argv)
+    options = parse_compare(argv)
     try:
         experiment = load_experiment(options.experiment, options.replications)
         with Store(options.out) as store:

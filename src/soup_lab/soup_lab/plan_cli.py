@@ -6,17 +6,16 @@ import argparse
 import math
 import sys
 import time
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 from rich.table import Table
 
+from soup_lab.lab_arguments import parse_plan
 from soup_lab.plan_picture import draw_plan
 from soup_managers.planners.check import LOADED, check_plan, draw, play
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import RULES, Answer, Task
-from soup_msgs_py import arguments as args
 from soup_msgs_py.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, read_world
 from soup_msgs_py.display import on_display
 from soup_msgs_py.errors import InputError
@@ -30,47 +29,12 @@ KEY = (
     f"{ROBOT} robot, {LOADED} robot with a box, {BOX} box, {SHELF} empty shelf, {FULL} wall or full shelf, "
     f"{FLOOR} floor"
 )
-PICTURES = (".png", ".gif")
-
-
-def parse(argv: list[str] | None) -> argparse.Namespace:
-    """Read the command line."""
-    parser = args.Parser("Plan for all robots of a world at once: boxes to empty shelves, in as few steps as possible.")
-    parser.add_argument("world", type=Path, metavar="WORLD.txt", help="@ robot, * box, | empty shelf, # full, _ floor")
-    parser.add_argument("--planner", choices=PLANNERS, default="optimal", help="how to plan (default: optimal)")
-    parser.add_argument(
-        "--rules",
-        choices=RULES,
-        default="default",
-        help="paper: no waiting, and no robot on a shelf at the end; fleet: no box is carried over another",
-    )
-    parser.add_argument(
-        "--weight",
-        type=args.not_negative,
-        default=1.0,
-        metavar="W",
-        help="weight of the heuristic of the paper's planners (default: 1)",
-    )
-    parser.add_argument(
-        "--time-limit", type=args.positive, default=60.0, metavar="S", help="wall seconds of search (default: 60)"
-    )
-    parser.add_argument("--summary", type=args.output_file, metavar="F", help="write the figures and the plan as JSON")
-    parser.add_argument("--show", action="store_true", help="play the plan as text")
-    parser.add_argument(
-        "--picture", type=args.output_file, metavar="F", help="draw the paths (.png) or play the plan (.gif)"
-    )
-    options = parser.parse_args(argv)
-    if options.picture is not None and options.picture.suffix not in PICTURES:
-        parser.error(f"--picture: found {options.picture}; allowed: a name that ends in {' or '.join(PICTURES)}")
-    if options.weight != 1.0 and options.planner not in ("single-action", "multi-action"):
-        parser.error(f"--weight: found {options.weight:g} with {options.planner}; allowed: single-action, multi-action")
-    return options
 
 
 @on_display
 def main(argv: list[str] | None = None) -> int:
     """Plan, check, write and show; the exit status: 0 for a plan, 1 for none."""
-    options = parse(argv)
+    options = parse_plan(argv)
     try:
         world = read_world(options.world)
         task = Task(world, RULES[options.rules], options.weight, options.time_limit)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
+from soup_lab.lab_arguments import parse_reference
 from soup_lab.reference_policies import policies_page
 from soup_lab.reference_scenario import scenario_page
 from soup_managers.explain import ALTERNATIVES, DECISIONS
-from soup_msgs_py import arguments as args
 from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, PLAN_FIGURES, SHARE, Figure
 
 NOTE = "<!-- Written by scripts/make_reference.py from the code; change it there. -->\n\n"
@@ -90,11 +91,9 @@ def outdated(folder: Path) -> list[str]:
     return [name for name, page in PAGES.items() if _read(folder / name) != NOTE + page()]
 
 
-def main(folder: Path, argv: list[str]) -> int:
+def main(argv: Sequence[str] | None = None, *, folder: Path) -> int:
     """Write the documents into a folder, or with `--check` only look at them; the exit status."""
-    parser = args.Parser("Write docs/reference from the models that the code works by.")
-    parser.add_argument("--check", action="store_true", help="write nothing; status 1 if a document is out of date")
-    options = parser.parse_args(argv)
+    options = parse_reference(argv, folder)
     names = outdated(folder)
     if options.check:
         for name in names:

@@ -19,7 +19,8 @@ from rich.console import Console
 from soup_msgs import msg
 from std_srvs.srv import SetBool
 
-from soup_lab.bag_record_node import COMPLETE, LEAST_FREE_MIB, MIB, check_room
+from soup_lab.bag_arguments import LEAST_FREE_MIB
+from soup_lab.bag_record_node import COMPLETE, MIB, check_room
 from soup_lab.bag_record_node import NAME as RECORDER
 from soup_lab.bag_removal import files_of_bag, remove_bag
 from soup_lab.headless import make_minds
@@ -35,7 +36,7 @@ from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
 from soup_msgs_py.live.process import Live, exit_status
 from soup_msgs_py.live.report import TOLD, WAITS, PartsWatch
 from soup_msgs_py.output_files import why, write_whole
-from soup_msgs_py.policies import ROLES, Policies, load_policies
+from soup_msgs_py.policies import MANAGERS, ROLES, Policies, load_policies
 from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
 from soup_sim.setup import load_warehouse
@@ -199,7 +200,7 @@ def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], folde
         parts.append(Part(RECORDER, "soup_lab.bag_record_node", arguments, again=("--go-on",), needed=False))
     parts.append(Part(WORLD, "soup_sim.world_node", tuple(world), again=("--restore",)))
     explain = ("--explain", str(options.explain)) if options.explain is not None else ()
-    for role in ("word", "letter", "fleet"):
+    for role in MANAGERS:
         module = f"soup_managers.{role}_manager_node"
         parts.append(Part(f"{role} manager", module, (*policy_arguments(options, role), *explain)))
     for group in groups:

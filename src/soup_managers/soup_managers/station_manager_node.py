@@ -32,17 +32,16 @@ from soup_msgs_py.messages import (
 from soup_msgs_py.mind import Message, Mind
 from soup_msgs_py.output_files import SharedFile
 from soup_msgs_py.part_arguments import parse_manager
-from soup_msgs_py.policies import PolicyChoice, load_policies
+from soup_msgs_py.policies import MANAGERS, PolicyChoice, load_policies
 from soup_msgs_py.qos import EVERY_ONE, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
 
-ROLES = ("word", "letter", "fleet")
 LOOK_FOR_FLEET_S = 1.0
 
 
 def role_rng(role: str, seed: int) -> np.random.Generator:
     """The random numbers of a manager; the same as in one process."""
-    child = np.random.SeedSequence([seed, 1]).spawn(len(ROLES))[ROLES.index(role)]
+    child = np.random.SeedSequence([seed, 1]).spawn(len(MANAGERS))[MANAGERS.index(role)]
     return np.random.Generator(np.random.PCG64(child))
 
 

@@ -20,7 +20,8 @@ from soup_msgs_py.files import check_regular, folder_of, whole_path
 from soup_msgs_py.options import check_options
 from soup_msgs_py.yaml_input import read_mapping, validate
 
-ROLES = ("word", "letter", "fleet", "bot")
+MANAGERS = ("word", "letter", "fleet")
+ROLES = (*MANAGERS, "bot")
 # the policies that come with the warehouse, by role; said here, too, since to load them takes seconds
 NAMES = {
     "word": ("in_stock", "minimal", "served"),

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 from soup_msgs_py.arguments import bots, written_bots
 from soup_msgs_py.live.report import PartsWatch
+from soup_msgs_py.policies import MANAGERS
 
 VACANT_S = 10.0  # wall time; a part that is started again, or takes over, needs less
-MANAGERS = ("word", "letter", "fleet")
 STARTS = "python3 scripts/run_{}.py"
 
 
