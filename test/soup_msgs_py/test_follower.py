@@ -272,3 +272,9 @@ def test_a_mind_that_is_lost_joins_anew_at_the_next_snapshot(part: Part):
     part.world.handle(AssignBundle(part.world.scenario.word_station_count, tile=0))
     part.snapshot(1)
     assert part.follower.in_step
+
+
+def test_time_comes_from_the_world_followed_and_not_from_a_clock_on_which_anybody_may_speak(part: Part):
+    assert topics.CLOCK not in part.wires.takes
+    part.beat(3, 12.5)
+    assert part.follower.now == 12.5
