@@ -12,7 +12,7 @@ from soup_sim.in_flight import InFlight
 # wall time; a part that is silent for longer is waited for no more, until it speaks again
 PATIENCE_S = 4.0  # managers may have to plan much
 BOTS_PATIENCE_S = 3.0  # bots do not
-FIRST_PATIENCE_S = 60.0  # a manager that has just begun may still have to compile what it computes with; bots rehearse
+FIRST_PATIENCE_S = 120.0  # a manager that has just begun may still have to compile what it computes with; bots rehearse
 FIRST_ANSWERS = 20  # then it has had to do most of that
 
 
