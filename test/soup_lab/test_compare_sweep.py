@@ -23,6 +23,7 @@ from soup_lab.compare_experiment import load_experiment
 from soup_lab.compare_runs import OtherCodeError, attempt, jobs, run_local
 from soup_lab.compare_store import Store
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.figures import told, with_interval
 
 pytestmark = pytest.mark.timeout(400)  # each sweep starts processes, which a busy machine is slow at
 
@@ -153,6 +154,16 @@ def test_the_table_for_a_readme_has_a_line_for_each_variant(done: tuple[Path, Pa
         "3 bots", "6 bots", "20 bots (base)", "minimal (base)", "served",
     ]  # fmt: skip
     assert len({line.count("|") for line in lines[:7]}) == 1
+
+
+def test_the_table_is_written_as_other_tables_are(done: tuple[Path, Path]):
+    figures = json.loads((done[1] / "figures.json").read_text())
+    row = figures["groups"]["bots"][0]["figures"]
+    rate, bound = row["words_per_second"], row["fraction_of_bound"]
+    cells = [cell.strip() for cell in (done[1] / "table.md").read_text().splitlines()[2].split("|")]
+    assert cells[3] == with_interval(rate["mean"], rate["half_width"])
+    assert cells[5] == f"{told('fraction_of_bound', bound['mean'])} ({told('fraction_of_bound', bound['lowest'])})"
+    assert cells[6] == told("pile_on_word", row["pile_on_word"]["mean"])
 
 
 def test_the_same_sweep_gives_the_same_results_whatever_the_order_of_the_runs(done: tuple[Path, Path], tmp_path: Path):

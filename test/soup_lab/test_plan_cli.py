@@ -14,6 +14,7 @@ from soup_managers.planners.check import play
 from soup_managers.planners.optimal import optimal
 from soup_managers.planners.plan import Task
 from soup_msgs_py.cell_world import read_world
+from soup_msgs_py.figures import told as figure
 
 WORLD = str(Path(__file__).resolve().parents[2] / "config/worlds/small1-2r.txt")
 KEYS = {
@@ -90,7 +91,9 @@ def test_the_planners_are_measured_on_the_papers_worlds(tmp_path: Path, capsys: 
     picture, summary = tmp_path / "plots.png", tmp_path / "figures.json"
     more = ["--picture", str(picture), "--summary", str(summary)]
     assert measure(["planner", "--time-limit", "0.3", *more]) == 0
-    assert "given up" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert "given up" in shown
     assert picture.stat().st_size > 1000
     rows = json.loads(summary.read_text())["planner"]
     assert [row["makespan"] for row in rows if row["planner"] == "optimal"] == [30, 33, 19, 11, 9, 9, 16, 19]
+    assert all(f" {figure('search_seconds', row['search_seconds'])} " in shown for row in rows)

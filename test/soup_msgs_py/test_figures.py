@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, PLAN_FIGURES, rows, told, written
+from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, PLAN_FIGURES, rows, told, with_interval, written
 
 ALL = {**FIGURES, **LIVE_FIGURES, **PLAN_FIGURES}
 
@@ -35,6 +35,22 @@ def test_every_figure_has_words_and_a_meaning(key: str):
 )
 def test_a_value_is_written_in_its_unit(value: object, unit: str, text: str):
     assert written(value, unit) == text
+
+
+@pytest.mark.parametrize(
+    ("mean", "half_width", "text"),
+    [
+        (0.548312, None, "0.548"),
+        (0.548312, 0.0123, "0.548 ± 0.012"),
+        (0.548312, 0.00123, "0.5483 ± 0.0012"),
+        (-0.548312, 0.123, "-0.55 ± 0.12"),
+        (12345.6, 234.5, "12,346 ± 234"),
+        (0.548312, 0.0, "0.548 ± 0"),
+        (0.548312, 1e-17, "0.548 ± 1e-17"),
+    ],
+)
+def test_a_mean_is_written_as_far_as_it_is_known(mean: float, half_width: float | None, text: str):
+    assert with_interval(mean, half_width) == text
 
 
 def test_only_what_is_zero_reads_as_zero():

@@ -14,6 +14,7 @@ from soup_lab.lab_arguments import ENGINE, PLANNER, parse_benchmark
 from soup_lab.planner_speed import NEW, draw_searches, searches
 from soup_lab.speed import Measured, at_constant_density, growth, measure_apart
 from soup_msgs_py.display import on_display
+from soup_msgs_py.figures import written
 from soup_msgs_py.output_files import OutputError
 from soup_msgs_py.policies import Policies, load_policies
 from soup_sim.summary import write_summary
@@ -27,28 +28,30 @@ FLEETS = (125, 250, 500, 1000)
 def main(argv: list[str] | None = None) -> int:
     """Measure what the command line names; the exit status."""
     options = parse_benchmark(argv)
-    console = Console(width=max(Console().width, 110))  # a file or pipe is as wide as the table needs
+    console = Console(width=max(Console().width, 120))  # a file or pipe is as wide as the table needs
     if options.what == PLANNER:
         return _planner(options, console)
     with console.status("measuring"):
         measured, relative = (_engine if options.what == ENGINE else _policies)(options.seconds)
-    shown = Table("run", "bots", "compile and load s", "real-time factor", "ms a sim s", "cost / n log n", "memory MB")
+    shown = Table(
+        "run", "bots", "compile and load, s", "real-time factor", "ms/simulated s", "cost / n log n", "memory, MB"
+    )
     for one, cost in zip(measured, relative, strict=True):
         shown.add_row(
-            one.name, str(one.bots), f"{one.compile_s:.1f}", f"{one.real_time_factor:.0f}", f"{one.cost:.2f}",
-            "" if cost is None else f"{cost:.2f}", f"{one.memory_mb:.0f}",
+            one.name, written(one.bots), written(one.compile_s), written(one.real_time_factor), written(one.cost),
+            "" if cost is None else written(cost), written(one.memory_mb),
         )  # fmt: skip
     figures = [{**vars(one), "cost_relative_to_n_log_n": r} for one, r in zip(measured, relative, strict=True)]
-    written = write_summary(options.summary, {options.what: figures})
+    saved = write_summary(options.summary, {options.what: figures})
     console.print(shown)
-    return 0 if written else 1
+    return 0 if saved else 1
 
 
 def _planner(options: argparse.Namespace, console: Console) -> int:
     """The paper's planners and the optimal one on the worlds of its figures."""
     with console.status("searching"):
         found = searches(ROOT / "config/worlds", options.time_limit)
-    shown = Table("figure", "robots", "boxes", "planner", "steps", "generated", "expanded", "seconds", "times faster")
+    shown = Table("figure", "robots", "boxes", "planner", "steps", "generated", "expanded", "search, s", "times faster")
     fastest = {(one.figure, one.robots, one.boxes): one.answer.search_s for one in found if one.planner == NEW}
     rows: list[dict[str, Any]] = []
     for one in found:
@@ -56,25 +59,25 @@ def _planner(options: argparse.Namespace, console: Console) -> int:
         steps = str(answer.makespan) if answer.plans is not None else "given up"
         shown.add_row(
             one.figure, str(one.robots), str(one.boxes), one.planner, steps, f"{answer.nodes_generated:,}",
-            f"{answer.nodes_expanded:,}", f"{answer.search_s:.4f}", "" if one.planner == NEW else f"{times:,.0f}",
+            f"{answer.nodes_expanded:,}", written(answer.search_s), "" if one.planner == NEW else written(times),
         )  # fmt: skip
         rows.append({
             "figure": one.figure, "robots": one.robots, "boxes": one.boxes, "planner": one.planner,
             "makespan": answer.makespan, "nodes_generated": answer.nodes_generated,
             "nodes_expanded": answer.nodes_expanded, "search_seconds": answer.search_s,
         })  # fmt: skip
-    written = write_summary(options.summary, {PLANNER: rows})
+    saved = write_summary(options.summary, {PLANNER: rows})
     if options.picture is not None:
         try:
             draw_searches(found, options.picture)
         except OutputError as error:
             print(error, file=sys.stderr)
-            written = False
+            saved = False
     console.print(shown)
     console.print(
         "times faster: than this planner, the optimal one. The paper's medium1: 796,228 generated, 145,842 expanded."
     )
-    return 0 if written else 1
+    return 0 if saved else 1
 
 
 def _engine(seconds: float) -> tuple[list[Measured], list[float | None]]:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from soup_lab.compare_analysis import Row
 from soup_lab.compare_experiment import Case
+from soup_msgs_py.figures import told
 
 BASE, BETTER, WORSE, ALIKE = "#3d4852", "#1b7f5c", "#c8553d", "#93acc4"  # told apart by colour-blind eyes too
 SETTINGS: Any = {
@@ -121,7 +122,7 @@ def _colour(row: Row) -> str:
 
 def _bound_line(axes: Any, draw: Any, bound: float) -> None:
     draw(bound, color="black", linestyle="--", linewidth=1.0)
-    axes.set_title(f"dashed: bound of the stations, {bound:.3f} words/s", fontsize=8.5, loc="right")
+    axes.set_title(f"dashed: bound of stations, {told('word_rate_bound', bound)} words/s", fontsize=8.5, loc="right")
 
 
 def _svg(figure: Figure) -> str:

@@ -11,7 +11,8 @@ from soup_lab.compare_analysis import Analysis, Row
 from soup_lab.compare_charts import bars, curve, curve_key, differences
 from soup_lab.compare_experiment import Group
 from soup_lab.compare_identity import versions
-from soup_lab.compare_table import HEADERS, LEGEND, cells, mark
+from soup_lab.compare_table import HEADERS, LEGEND, cells, difference_text, mark
+from soup_msgs_py.figures import Figure, known, told
 
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #1c2126; max-width: 1240px; margin: 2em auto; padding: 0 1.2em; }
@@ -90,7 +91,7 @@ def _overview(analysis: Analysis) -> str:
     ]
     if len(analysis.groups) < 2 or not rows:
         return ""
-    listed = "; ".join(f"{label} {row.difference.estimate.mean:+.4f}" for label, row in rows if row.difference)
+    listed = "; ".join(f"{label} {difference_text(row.difference)}" for label, row in rows if row.difference)
     return f"<h2>What matters</h2>{_image(differences(rows), f'Differences to the base in words/s: {listed}')}"
 
 
@@ -133,12 +134,16 @@ def _how_to_read(analysis: Analysis) -> str:
 
 def _all_runs(analysis: Analysis) -> str:
     lines = [
-        [escape(row.case.label), str(seed), *(_number(summary[key]) for key in RUN_KEYS)]
+        [escape(row.case.label), str(seed), *(told(key, summary[key]) for key in RUN_KEYS)]
         for row in analysis.rows()
         for seed, summary in row.summaries.items()
     ]
-    headers = ("run", "seed", *(key.replace("_", " ") for key in RUN_KEYS))
+    headers = ("run", "seed", *(_header(known(key)) for key in RUN_KEYS))
     return f"<h2>All runs</h2><details><summary>{len(lines)} runs</summary>{_table(headers, lines)}</details>"
+
+
+def _header(figure: Figure) -> str:
+    return f"{figure.words}, {figure.unit}" if figure.unit else figure.words
 
 
 def _to_repeat(analysis: Analysis) -> str:
@@ -170,10 +175,6 @@ def _table(headers: Sequence[str], rows: Iterable[Sequence[str]], kinds: Iterabl
         for row, kind in zip(body, classes, strict=True)
     )
     return f'<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{"".join(lines)}</tbody></table></div>'
-
-
-def _number(value: float) -> str:
-    return f"{value:,}" if isinstance(value, int) else f"{value:,.4f}"
 
 
 def _image(svg: str, description: str) -> str:

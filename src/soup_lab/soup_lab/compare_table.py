@@ -7,10 +7,12 @@ from rich.table import Table
 
 from soup_lab.compare_analysis import Analysis, Row
 from soup_lab.compare_statistics import Difference, Estimate
+from soup_msgs_py.figures import SHARE, with_interval, written
 
 HEADERS = (
-    "variant", "words/s", "to base", "of bound (worst seed)", "pile-on word", "pile-on letter", "m/letter",
-    "collisions bot, bucket", "violations", "inventory end/start", "real-time factor",
+    "variant", "words/s", "to base, words/s", "of bound (worst seed), %", "pile-on word, tiles/visit",
+    "pile-on letter, tiles/visit", "m/letter", "collisions bot, bucket", "violations", "stock end/start, %",
+    "real-time factor",
 )  # fmt: skip
 NOTHING = "–"
 LEGEND = (
@@ -29,16 +31,16 @@ def cells(row: Row) -> list[str]:
         return [name, *[NOTHING] * (len(HEADERS) - 1)]
     return [
         name,
-        with_interval(figures["words_per_second"], 4),
+        _with_interval(figures["words_per_second"]),
         difference_text(row.difference),
         _bound(figures["fraction_of_bound"]),
-        _mean(figures["pile_on_word"], 2),
-        _mean(figures["pile_on_letter"], 2),
-        _mean(figures["metres_per_letter"], 1),
+        _mean(figures["pile_on_word"]),
+        _mean(figures["pile_on_letter"]),
+        _mean(figures["metres_per_letter"]),
         f"{totals['bot_collisions']:,}, {totals['bucket_collisions']:,}",
         f"{totals['violations']:,}",
-        _mean(figures["inventory_end_to_start"], 3),
-        _mean(figures["real_time_factor"], 0),
+        _mean(figures["inventory_end_to_start"], SHARE),
+        _mean(figures["real_time_factor"]),
     ]
 
 
@@ -70,22 +72,12 @@ def markdown(analysis: Analysis) -> str:
     return "\n".join([*lines, "", LEGEND, ""])
 
 
-def with_interval(figure: Estimate | None, digits: int) -> str:
-    """A mean, with half its interval where there is one."""
-    if figure is None:
-        return NOTHING
-    mean = f"{figure.mean:,.{digits}f}"
-    return mean if figure.half_width is None else f"{mean} ± {figure.half_width:,.{digits}f}"
-
-
 def difference_text(difference: Difference | None) -> str:
     """A difference with its interval, its share of the base and its mark."""
     if difference is None:
         return NOTHING
     found = difference.estimate
-    text = f"{found.mean:+.4f}"
-    if found.half_width is not None:
-        text += f" ± {found.half_width:.4f}"
+    text = f"{'+' if found.mean > 0.0 else ''}{with_interval(found.mean, found.half_width)}"
     if difference.share is not None:
         text += f" ({difference.share:+.1%})"
     return " ".join(filter(None, [text, mark(difference)]))
@@ -98,9 +90,13 @@ def mark(difference: Difference) -> str:
     return ("▲" if difference.estimate.mean > 0.0 else "▼") * (2 if difference.family else 1)
 
 
-def _mean(figure: Estimate | None, digits: int) -> str:
-    return NOTHING if figure is None else f"{figure.mean:,.{digits}f}"
+def _with_interval(figure: Estimate | None) -> str:
+    return NOTHING if figure is None else with_interval(figure.mean, figure.half_width)
+
+
+def _mean(figure: Estimate | None, unit: str = "") -> str:
+    return NOTHING if figure is None else written(figure.mean, unit)
 
 
 def _bound(figure: Estimate | None) -> str:
-    return NOTHING if figure is None else f"{figure.mean:.3f} ({figure.lowest:.3f})"
+    return NOTHING if figure is None else f"{written(figure.mean, SHARE)} ({written(figure.lowest, SHARE)})"

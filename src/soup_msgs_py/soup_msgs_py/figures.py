@@ -5,6 +5,7 @@ One source for the table on the screen, the page and `docs/reference/figures.md`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -101,6 +102,7 @@ PLAN_FIGURES = {
     "boxes": Figure("boxes", "", "in the world"),
     "note": Figure("note", "", "why there is no plan, or what it is worth"),
 }
+_NEGLIGIBLE = 1e-6  # half an interval that says nothing about the digits of its mean
 _ALL = {**PLAN_FIGURES, **LIVE_FIGURES, **FIGURES}
 
 
@@ -125,6 +127,16 @@ def told(key: str, value: Any) -> str:
     if value is None and key in _NONE:
         return _NONE[key]
     return str(value) if key == "seed" else written(value, known(key).unit)
+
+
+def with_interval(mean: float, half_width: float | None) -> str:
+    """A mean as far as it is known: half its interval to two digits, and the mean no further than these."""
+    if half_width is None:
+        return written(mean)
+    if half_width < _NEGLIGIBLE:
+        return f"{written(mean)} ± {written(half_width)}"
+    places = max(0, 1 - math.floor(math.log10(half_width)))
+    return f"{mean:,.{places}f} ± {half_width:,.{places}f}"
 
 
 def written(value: Any, unit: str = "") -> str:
