@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import _environment
 from soup_lab import headless_cli
 from soup_lab.headless import Headless
-from soup_managers.planned_fleet import PlannedFleet
+from soup_managers.fleets.planned.fleet import PlannedFleet
 from soup_managers.planners.check import check_plan, play
 from soup_managers.planners.homing import go_home
 from soup_managers.planners.known import PLANNERS

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from soup_managers.fleet_manager import FleetManager
+from soup_managers.fleets.minimal.fleet import FleetManager
 from soup_managers.letter_manager import LetterManager
 from soup_managers.policies.fleet import Minimal as MinimalFleet
 from soup_managers.policies.letter import Minimal as MinimalLetter

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from soup_lab.headless import Headless
-from soup_managers.coordination.fleet import CoordinatedFleet
+from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.policies import load_policies

@@ -7,8 +7,8 @@ import pytest
 from managers_world import TinyWorld, layout_of, scenario_of
 
 from soup_managers.bitset import first, members
-from soup_managers.fleet_manager import GATHER_S, FleetManager
-from soup_managers.fleet_state import FleetState
+from soup_managers.fleets.minimal.fleet import GATHER_S, FleetManager
+from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.plans import PlanError, PlannedVisit, TripPlan
 from soup_managers.policies.fleet import FleetPolicy
 from soup_managers.policies.fleet import Minimal as MinimalFleet

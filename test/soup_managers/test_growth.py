@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from soup_managers.make_fleet import load_fleet, make_fleet
+from soup_managers.fleets.make import load_fleet, make_fleet
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType, Phase
 from soup_msgs_py.messages import (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from managers_world import layout_of, scenario_of
 
-from soup_managers.fleet_state import FleetState
+from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType

@@ -23,7 +23,7 @@ from world_hands import bucket_at_hand, clear, do, place
 
 from soup_lab.headless import Headless
 from soup_managers.bitset import first, members
-from soup_managers.fleet_state import FleetState
+from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.plans import Place, PlannedVisit, TripPlan
 from soup_managers.policies import FLEET
 from soup_managers.policies.fleet import FleetPolicy

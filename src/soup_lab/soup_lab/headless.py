@@ -13,8 +13,8 @@ from soup_bots.crew import FOR_BOTS, Crew
 from soup_bots.steering import KNOWN as STEERING
 from soup_bots.steering.base import Steering
 from soup_managers.explain import Explain, Sink
+from soup_managers.fleets.make import check_fleet, load_fleet, make_fleet
 from soup_managers.letter_manager import LetterManager
-from soup_managers.make_fleet import check_fleet, load_fleet, make_fleet
 from soup_managers.policies import LETTER, WORD, AnyFleet, LetterPolicy, WordPolicy
 from soup_managers.view import WarehouseView
 from soup_managers.word_manager import WordManager

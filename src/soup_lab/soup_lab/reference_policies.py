@@ -12,8 +12,8 @@ from pydantic import TypeAdapter
 
 from soup_bots.steering import KNOWN as STEERING
 from soup_lab.reference_scenario import allowed_values
-from soup_managers.coordination.situation import Horizons
 from soup_managers.decisions import BOTS, BUCKETS, FILLS, ONWARD, STORAGE
+from soup_managers.fleets.coordinated.situation import Horizons
 from soup_managers.policies import FLEET, LETTER, WORD
 from soup_sim.station_policies import LETTER_STATION, WORD_STATION
 

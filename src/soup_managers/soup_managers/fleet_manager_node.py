@@ -12,8 +12,8 @@ from rclpy.action.server import ServerGoalHandle
 from soup_msgs import action, msg, srv
 
 from soup_managers.explain import Explain
+from soup_managers.fleets.make import Fleet, load_fleet, make_fleet
 from soup_managers.hosts import Hosts
-from soup_managers.make_fleet import Fleet, load_fleet, make_fleet
 from soup_managers.orders_node import Orders
 from soup_managers.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView

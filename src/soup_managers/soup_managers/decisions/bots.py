@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from soup_managers.coordination.situation import Situation
+from soup_managers.fleets.coordinated.situation import Situation
 from soup_msgs_py.layout import Floats, Ints
 
 

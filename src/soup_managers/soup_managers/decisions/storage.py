@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from soup_managers.coordination.situation import Situation
-from soup_managers.coordination.stock import Counts
+from soup_managers.fleets.coordinated.situation import Situation
+from soup_managers.fleets.coordinated.stock import Counts
 from soup_msgs_py.layout import Floats
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from soup_managers.coordination.situation import Horizons
 from soup_managers.decisions import BOTS, BUCKETS, FILLS, ONWARD, STORAGE
 from soup_managers.decisions.bots import BotChoice
 from soup_managers.decisions.buckets import BucketChoice
 from soup_managers.decisions.fills import FillChoice
 from soup_managers.decisions.onward import OnwardChoice
 from soup_managers.decisions.storage import StorageChoice
+from soup_managers.fleets.coordinated.situation import Horizons
 from soup_managers.policies.fleet import AnyFleet
 from soup_msgs_py.options import check_options
 from soup_msgs_py.policies import PolicyChoice, load_policy

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 
 from soup_managers.bitset import first, members
-from soup_managers.fleet_state import FleetState
+from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.plans import Letter, PlannedVisit, TripPlan
 from soup_msgs_py.messages import STORE
 

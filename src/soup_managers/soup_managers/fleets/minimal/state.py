@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from soup_managers.fleet_tasks import TaskBook
-from soup_managers.letter_queue import Awaited, LetterQueue
+from soup_managers.fleets.minimal.letter_queue import Awaited, LetterQueue
+from soup_managers.fleets.minimal.letters import TaskBook
 from soup_managers.plans import Key, Letter, TripPlan
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView

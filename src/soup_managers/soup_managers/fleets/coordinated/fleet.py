@@ -11,21 +11,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.coordination.adopting import drives_on, stays
-from soup_managers.coordination.digging import Digging
-from soup_managers.coordination.fetching import Fetch, Fetching
-from soup_managers.coordination.jobs import Job
-from soup_managers.coordination.lines import FAR_S, Lines, spots_near
-from soup_managers.coordination.lowest import lowest
-from soup_managers.coordination.places import Places
-from soup_managers.coordination.robots import Activity, Purpose, Robot
-from soup_managers.coordination.scores import Scores
-from soup_managers.coordination.settling import Settling
-from soup_managers.coordination.situation import Situation
-from soup_managers.coordination.watch import Watch
-from soup_managers.coordination.whereabouts import RETRY_S, Whereabouts
 from soup_managers.explain import Explain
-from soup_managers.fleet_tasks import goal_tiles
+from soup_managers.fleets.coordinated.adopting import drives_on, stays
+from soup_managers.fleets.coordinated.digging import Digging
+from soup_managers.fleets.coordinated.fetching import Fetch, Fetching
+from soup_managers.fleets.coordinated.jobs import Job
+from soup_managers.fleets.coordinated.lines import FAR_S, Lines, spots_near
+from soup_managers.fleets.coordinated.lowest import lowest
+from soup_managers.fleets.coordinated.places import Places
+from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
+from soup_managers.fleets.coordinated.scores import Scores
+from soup_managers.fleets.coordinated.settling import Settling
+from soup_managers.fleets.coordinated.situation import Situation
+from soup_managers.fleets.coordinated.watch import Watch
+from soup_managers.fleets.coordinated.whereabouts import RETRY_S, Whereabouts
+from soup_managers.fleets.minimal.letters import goal_tiles
 from soup_managers.manager import Manager
 from soup_managers.policies.coordinated import Coordinated
 from soup_managers.traffic import Traffic

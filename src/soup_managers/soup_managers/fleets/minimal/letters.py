@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from soup_managers.letter_queue import LetterQueue
+from soup_managers.fleets.minimal.letter_queue import LetterQueue
 from soup_managers.plans import Key, Letter, Place
 from soup_msgs_py.messages import DELIVER, DeliverGoal, StoreGoal
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from soup_managers.fleet_state import FleetState
+from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.plans import Letter, Place, PlanError, TripPlan
 from soup_msgs_py.messages import DELIVER
 from soup_msgs_py.tiles import tile_name

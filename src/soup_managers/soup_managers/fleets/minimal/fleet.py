@@ -6,10 +6,10 @@ import numpy as np
 
 from soup_managers.bitset import members
 from soup_managers.explain import Explain
-from soup_managers.fleet_state import FleetState
-from soup_managers.fleet_tasks import Task, common_tiles, goal_tiles
+from soup_managers.fleets.minimal.letters import Task, common_tiles, goal_tiles
+from soup_managers.fleets.minimal.plan_check import check_plan
+from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.manager import Manager
-from soup_managers.plan_check import check_plan
 from soup_managers.plans import Key, PlanError, TripPlan
 from soup_managers.policies.fleet import FleetPolicy
 from soup_managers.router import Router

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from soup_managers.coordination.adopting import purpose_of
-from soup_managers.coordination.lines import Lines
-from soup_managers.coordination.places import Places
-from soup_managers.coordination.robots import Activity, Purpose, Robot
-from soup_managers.coordination.situation import Situation
-from soup_managers.coordination.watch import Watch
+from soup_managers.fleets.coordinated.adopting import purpose_of
+from soup_managers.fleets.coordinated.lines import Lines
+from soup_managers.fleets.coordinated.places import Places
+from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
+from soup_managers.fleets.coordinated.situation import Situation
+from soup_managers.fleets.coordinated.watch import Watch
 from soup_managers.traffic import Leg, Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code

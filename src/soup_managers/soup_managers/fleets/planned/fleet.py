@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from soup_managers.fleet_tasks import goal_tiles
+from soup_managers.fleets.minimal.letters import goal_tiles
 from soup_managers.manager import Manager
 from soup_managers.planners.precedence import Action, actions_of
 from soup_managers.policies.planned import Planned

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from soup_managers.coordination.digging import Digging, Mask
-from soup_managers.coordination.lowest import lowest
-from soup_managers.coordination.places import Places
-from soup_managers.coordination.robots import Purpose, Robot
-from soup_managers.coordination.scores import Scores
-from soup_managers.coordination.situation import Fill, Situation, Want
 from soup_managers.explain import Explain
+from soup_managers.fleets.coordinated.digging import Digging, Mask
+from soup_managers.fleets.coordinated.lowest import lowest
+from soup_managers.fleets.coordinated.places import Places
+from soup_managers.fleets.coordinated.robots import Purpose, Robot
+from soup_managers.fleets.coordinated.scores import Scores
+from soup_managers.fleets.coordinated.situation import Fill, Situation, Want
 from soup_managers.policies.coordinated import Coordinated
 from soup_msgs_py.layout import Ints
 from soup_msgs_py.mistakes import Mistakes

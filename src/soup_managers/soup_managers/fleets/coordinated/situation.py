@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.coordination.jobs import Jobs
-from soup_managers.coordination.robots import Activity, Purpose, Robot
-from soup_managers.coordination.stock import Stock, tiles_of
+from soup_managers.fleets.coordinated.jobs import Jobs
+from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
+from soup_managers.fleets.coordinated.stock import Stock, tiles_of
 from soup_managers.view import WarehouseView
 from soup_msgs_py.layout import Floats, Ints, Layout
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.coordination.fleet import CoordinatedFleet
 from soup_managers.explain import Explain
-from soup_managers.fleet_manager import FleetManager
-from soup_managers.planned_fleet import PlannedFleet
+from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
+from soup_managers.fleets.minimal.fleet import FleetManager
+from soup_managers.fleets.planned.fleet import PlannedFleet
 from soup_managers.policies import FLEET
 from soup_managers.policies.coordinated import Coordinated
 from soup_managers.policies.fleet import AnyFleet, FleetPolicy

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from soup_managers.coordination.stock import Counts
+from soup_managers.fleets.coordinated.stock import Counts
 from soup_msgs_py.messages import DELIVER, DeliverGoal, StoreGoal, TileMove
 
 Key = tuple[str, int]

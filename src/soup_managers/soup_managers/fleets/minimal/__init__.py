@@ -1,0 +1,1 @@
+"""The fleet that works trip by trip, as in the first paper."""
