@@ -5,6 +5,7 @@ from __future__ import annotations
 import heapq
 import math
 from itertools import combinations, pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,18 +13,23 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
-from traffic_drivers import scenario_of
 
 from soup_managers.traffic import Leg, Traffic
 from soup_managers.traffic.holds import Motion, left_after, swap_lag
 from soup_managers.traffic.lines import find_lines
 from soup_msgs_py.layout import Layout
+from soup_msgs_py.scenario import Scenario, load_scenario
 from soup_sim.contact import first_touch
 from soup_sim.layouts import make_layout
 
+ROOT = Path(__file__).parents[2]
 SCENARIOS = ("paper", "large", "demo", "dense", "hexagonal", "map")
 V, A = 4.0, 20.0
 FOREVER = 1e6
+
+
+def scenario_of(name: str) -> Scenario:
+    return load_scenario(ROOT / f"config/scenarios/{name}.yaml")
 
 
 @pytest.fixture(scope="module")
@@ -336,16 +342,7 @@ def test_a_bot_in_line_may_leave_without_docking(traffic):
     assert leg is not None and line[0] not in leg.waypoints
 
 
-def test_a_bot_that_must_depart_early_or_not_at_all_does_so(traffic):
-    dock, second = traffic.lines[0][:2]
-    traffic.stand(0, dock, 0.0)
-    traffic.stand(1, second, 0.0)
-    assert traffic.plan(0, int(np.flatnonzero(traffic._roads.spot)[0]), 10.0, loaded=True) is not None
-    assert traffic.plan(1, dock, 0.0, loaded=True, depart_by=9.0) is None
-    assert traffic.at(1) == second
-
-
-def test_what_is_revoked_has_never_been(traffic, demo):
+def test_a_leg_that_is_undone_has_never_been(traffic, demo):
     a, b, c = (int(w) for w in demo[1].storage_spots[[0, 40, 80]])
     traffic.stand(0, a, 0.0)
     before = traffic._table.filled.copy()
@@ -353,9 +350,9 @@ def test_what_is_revoked_has_never_been(traffic, demo):
     held = traffic._table.filled.copy()
     second = traffic.plan(0, c, 100.0, loaded=False)
     assert first is not None and second is not None
-    traffic.revoke(0, 50.0)
+    traffic.undo(0, 50.0)
     assert traffic.at(0) == b and (traffic._table.filled == held).all()
-    traffic.revoke(0, 0.5)
+    traffic.undo(0, 0.5)
     assert traffic.at(0) == a and (traffic._table.filled == before).all()
     assert traffic.free_from(a) == math.inf
     assert traffic.plan(0, b, 1.0, loaded=False) == first
@@ -367,7 +364,8 @@ def test_ways_lead_around_a_bot_that_stands_in_an_aisle(traffic, demo):
     free = traffic.plan(0, dock, 0.0, loaded=True)
     assert free is not None
     traffic.stand(0, spot, 0.0)
-    corner = next(w for w in free.waypoints[1:] if traffic.is_lane(w) and traffic._roads.kind.size)
+    lanes = set(range(len(demo[1].waypoints))).difference(demo[1].storage_spots.tolist(), *traffic.lines)
+    corner = next(w for w in free.waypoints[1:] if w in lanes)
     beyond = free.waypoints[free.waypoints.index(corner) + 1]
     step = demo[1].waypoints[beyond] - demo[1].waypoints[corner]
     middle = demo[1].waypoints[corner] + step / 2.0
@@ -376,6 +374,14 @@ def test_ways_lead_around_a_bot_that_stands_in_an_aisle(traffic, demo):
     around = traffic.plan(0, dock, 0.0, loaded=True)
     assert around is not None and blocked not in around.waypoints
     assert around.arrive > free.arrive
+
+
+def to_a_spot(traffic: Traffic, layout: Layout, bot: int) -> Leg | None:
+    """A leg of a bot to one of the nearest storage spots that nobody stands on or goes to."""
+    spots = [w for w in layout.storage_spots.tolist() if traffic.free_from(w) < math.inf]
+    spots.sort(key=traffic.times_from(traffic.at(bot)).tolist().__getitem__)
+    legs = (traffic.plan(bot, spot, 0.0, loaded=False) for spot in spots[:4])
+    return next((leg for leg in legs if leg is not None), None)
 
 
 def test_bots_on_lanes_find_storage_spots_to_wait_on(demo):
@@ -389,9 +395,11 @@ def test_bots_on_lanes_find_storage_spots_to_wait_on(demo):
         traffic.stand(bot, place, 0.0)
         point = (float(layout.waypoints[place, 0]), float(layout.waypoints[place, 1]))
         driven[bot] = [Leg(bot, (place,), (point,), (0.0,), 0.0, 0.0)]
-    for leg in traffic.clear_lanes(0.0):
-        driven[leg.bot].append(leg)
     spots = set(layout.storage_spots.tolist())
+    for bot in [*driven, *driven, *driven]:  # who cannot go yet may when others have gone
+        leg = to_a_spot(traffic, layout, bot) if traffic.at(bot) not in spots else None
+        if leg is not None:
+            driven[bot].append(leg)
     assert all(traffic.at(bot) in spots for bot in driven)
     assert len({traffic.at(bot) for bot in driven}) == len(driven)
     assert_nobody_touches(driven, 2.0 * scenario.bot.radius_m)
@@ -418,7 +426,7 @@ def test_a_bot_stopped_between_waypoints_is_in_the_way_of_those_who_planned_to_p
     (ax, ay), (bx, by) = leg.points[1:3]
     traffic.stand_at(1, ax * 0.7 + bx * 0.3, ay * 0.7 + by * 0.3, 0.0)
     assert traffic.conflicts(1, 0.0) == [0]
-    traffic.revoke(0, -1.0)
+    traffic.undo(0, 0.0)
     assert traffic.conflicts(1, 0.0) == []
     around = traffic.plan(0, dock, 0.0, loaded=True)
     assert around is not None

@@ -31,14 +31,12 @@ def read_schedule(desk, label, gaps):
 
 
 @kernel
-def wait_early(roads, table, desk, runs, ready, heading, depart_by, bot):
+def wait_early(roads, table, desk, runs, ready, heading, bot):
     """Wait as early on the way as possible: at storage spots rather than on lanes."""
     for k in range(runs - 2, -1, -1):
         latest = desk.leaves[k] + (desk.leaves[k + 1] - desk.arrives[k])
-        if k == 0:
-            if not roads.spot[desk.stop[0]]:
-                return  # a place in a line or on a lane is for others
-            latest = min(latest, depart_by)
+        if k == 0 and not roads.spot[desk.stop[0]]:
+            return  # a place in a line or on a lane is for others
         if latest <= desk.leaves[k] + SAME_S:
             continue
         lead = _lead(roads, desk, k, heading)

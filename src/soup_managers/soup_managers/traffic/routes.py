@@ -7,7 +7,7 @@ from collections import OrderedDict
 import numpy as np
 
 from soup_managers.traffic.desk import Desk
-from soup_managers.traffic.roads import FORWARD, SPOT, Mask, Roads
+from soup_managers.traffic.roads import FORWARD, Mask, Roads
 from soup_managers.traffic.runs import turn_time
 from soup_managers.traffic.ways import find_way, follow, follow_back, tree_from, tree_to
 from soup_msgs_py.layout import Floats, Ints
@@ -108,12 +108,3 @@ class Routes:
         dx, dy = np.abs(roads.points[start] - roads.points[goal])
         V, A = roads.max_speed, roads.max_acceleration
         return float((dx + dy) / V + 3.0 * V / A)
-
-
-def kind_of_spots(roads: Roads) -> None:
-    """Note anew which edges lead to storage spots, after `spot` has changed."""
-    lanes = roads.kind <= SPOT
-    roads.kind[lanes] = roads.spot[roads.head[lanes]]
-
-
-__all__ = ["Routes", "kind_of_spots"]

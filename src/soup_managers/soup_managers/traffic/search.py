@@ -153,7 +153,7 @@ def rest_of_way(roads, desk, count):
 
 @kernel
 def search(
-    roads, table, desk, bot, start, goal, ready, heading, rest, marked_only, deep, blocked, depart_by, worst, most
+    roads, table, desk, bot, start, goal, ready, heading, rest, marked_only, deep, blocked, worst, most
 ):  # fmt: skip
     """Find the earliest arrival at a goal.
 
@@ -170,7 +170,6 @@ def search(
         marked_only: Whether to use only the edges that `rest_of_way` has marked.
         deep: See `usable`.
         blocked: See `usable`.
-        depart_by: It must have departed by then.
         worst: Arrivals after this do not count.
         most: After how many labels to give up.
 
@@ -201,7 +200,6 @@ def search(
         most -= 1
         desk.looked[0] += 1
         _, gap_end, _ = gap_after(table, v, stood, bot)
-        latest = depart_by if label == root else np.inf
         for edge in range(roads.out[v], roads.out[v + 1]):
             if marked_only and desk.mark[edge] != now:
                 continue
@@ -239,7 +237,7 @@ def search(
                     hindered, done = desk.hindered[0], passed
                 t = soonest
                 turning = following < 0 or (not marked_only and _crossing(roads, last, goal, start_line, deep, blocked))
-                if turning and t <= latest:
+                if turning:
                     t = _fit(roads, table, desk, done, m, t, lead, length, v, stood, gap_end, False, final, bot)
                     if hindered < 0:
                         hindered = desk.hindered[0]
@@ -257,13 +255,13 @@ def search(
                         roads, table, desk, first, held, before, lead, short, v, stood, gap_end, False, False, bot
                     )
                     come = go + lead + run_time(short, V, A)
-                    if go <= latest and come + rest[y] <= worst:
+                    if come + rest[y] <= worst:
                         there = y * gaps + gap_after(table, y, come, bot)[0]
                         size = _put(desk, there, come, extra, go, label, edge, desk.run_edge[stop], now, rest[y], size)
-                if turning and t <= latest:
+                if turning:
                     run = lead + run_time(length, V, A)
                     entry = times_held(desk, _held(desk, x, m), length, V, A)[0]
-                    while t <= latest and t + run + rest[x] <= worst:
+                    while t + run + rest[x] <= worst:
                         gap, _, reopens = gap_after(table, x, t + run, bot)
                         size = _put(desk, x * gaps + gap, t + run, cost, t, label, edge, last, now, rest[x], size)
                         if final or reopens - lead - entry <= t or reopens == np.inf:
@@ -272,7 +270,7 @@ def search(
                         t = _fit(roads, table, desk, 0, m, t, lead, length, v, stood, gap_end, False, final, bot)
                 if size < 0:
                     return -1
-                if following < 0 or soonest > latest or soonest == np.inf:
+                if following < 0 or soonest == np.inf:
                     break
                 last = following
                 step += 1

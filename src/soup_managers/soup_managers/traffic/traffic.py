@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -16,7 +15,7 @@ from soup_managers.traffic.holds import Motion
 from soup_managers.traffic.lines import Line, find_lines
 from soup_managers.traffic.nearby import Nearby
 from soup_managers.traffic.roads import Mask, make_roads
-from soup_managers.traffic.routes import Routes, kind_of_spots
+from soup_managers.traffic.routes import Routes
 from soup_managers.traffic.runs import heading_of, place_at, run_time, time_at, turn_time
 from soup_managers.traffic.search import rest_of_way, search
 from soup_managers.traffic.timetable import add, empty_timetable, forget, forget_bot, free_from, larger
@@ -31,7 +30,6 @@ _LABELS_ON_WAY = 100_000
 _LABELS_FOR_BETTER = 1_500  # how long to look for a better way than waiting
 _LABELS_FOR_ANY = 60_000  # how long to look for any way at all
 _HERE_M = 1e-9  # farther off a waypoint the first run to it takes time, and whoever is late is in the way
-_TRIED_SPOTS = 4
 _PIECE_M = 3.0  # of a drive that is adopted: what is held along one is held for all of its time
 
 
@@ -100,8 +98,7 @@ class Traffic:
 
     def stand(self, bot: int, waypoint: int, since: float, heading: float = 0.0) -> None:
         """A bot stands on a waypoint for good; whatever was planned for it is forgotten."""
-        self.remove(bot)
-        self._legs[bot] = []
+        self._forget(bot)
         self._stay(bot, _Stand(waypoint, self._points[waypoint], since, heading))
 
     def stand_at(self, bot: int, x: float, y: float, since: float, heading: float = 0.0) -> None:
@@ -114,8 +111,7 @@ class Traffic:
         if (px - x) * (px - x) + (py - y) * (py - y) <= _HERE_M * _HERE_M:
             self.stand(bot, waypoint, since, heading)
             return
-        self.remove(bot)
-        self._legs[bot] = []
+        self._forget(bot)
         self._stay(bot, _Stand(NOWHERE, (x, y), since, heading))
 
     def adopt(self, bot: int, points: tuple[Point, ...], stamps: tuple[float, ...]) -> int:
@@ -183,8 +179,7 @@ class Traffic:
         held: set[int] = set()
         for start, end in self._ways_between(leg, now, now + notice_s):
             held.update(self._nearby.held_along(start, end))
-        self.remove(bot)
-        self._legs[bot] = []
+        self._forget(bot)
         self._stands[bot] = stand
         for waypoint in sorted(held):
             self._hold(waypoint, now, math.inf, bot)
@@ -210,12 +205,6 @@ class Traffic:
                 ((ax + (bx - ax) * first, ay + (by - ay) * first), (ax + (bx - ax) * last, ay + (by - ay) * last))
             )
         return ways
-
-    def remove(self, bot: int) -> None:
-        """Forget a bot altogether."""
-        if self._stands.pop(bot, None) is not None:
-            del self._legs[bot]
-            forget_bot(self._table, bot, -math.inf)
 
     def at(self, bot: int) -> int:
         """The waypoint where a bot stands after all that is planned for it; `NOWHERE` beside the graph."""
@@ -245,7 +234,6 @@ class Traffic:
         earliest: float,
         *,
         loaded: bool,
-        depart_by: float = math.inf,
         blocked_spots: Mask | None = None,
         hurried: bool = False,
     ) -> Leg | None:
@@ -256,7 +244,6 @@ class Traffic:
             goal: The waypoint where it goes and stands until its next leg.
             earliest: When it may depart (s).
             loaded: Whether it carries a bucket.
-            depart_by: When it must have departed.
             blocked_spots: Waypoints on which buckets rest, shape (waypoints,): a loaded bot in a deep layout passes
                 through the other spots. Without it, through none.
             hurried: Whether not to look long for a way where the usual one is closed.
@@ -274,39 +261,24 @@ class Traffic:
             return None
         blocked = self._routes.blocked(loaded, blocked_spots)
         if stand.waypoint == NOWHERE:
-            return self._rejoin(bot, goal, ready, loaded, depart_by, blocked, hurried)
+            return self._rejoin(bot, goal, ready, loaded, blocked, hurried)
         edges = self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
-        label, in_time = self._on_way(edges, bot, goal, ready, goal_free, blocked, depart_by)
+        label, in_time = self._on_way(edges, bot, goal, ready, goal_free, blocked)
         arrive = float(self._desk.time[label]) if label >= 0 else math.inf
         if arrive > in_time + PATIENCE_S:
             worst = math.inf if label < 0 else min(arrive - 0.5 * PATIENCE_S, in_time + 2.0 * PATIENCE_S)
-            other = self._on_any_way(bot, goal, ready, blocked, depart_by, worst, hurried)
+            other = self._on_any_way(bot, goal, ready, blocked, worst, hurried)
             if other < 0 and label >= 0:
                 self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
-                label, _ = self._on_way(edges, bot, goal, ready, goal_free, blocked, depart_by)
+                label, _ = self._on_way(edges, bot, goal, ready, goal_free, blocked)
             else:
                 label = other
         if label < 0:
             return None
-        leg = self._book(bot, label, ready, depart_by)
+        leg = self._book(bot, label, ready)
         if leg is not None:
             return leg
-        return self.plan(
-            bot, goal, earliest, loaded=loaded, depart_by=depart_by, blocked_spots=blocked_spots, hurried=hurried
-        )
-
-    def revoke(self, bot: int, now: float) -> None:
-        """Take back all legs of a bot that have not departed: it stands where the first of them begins.
-
-        A bot that is under way keeps its leg. Who has meanwhile planned to pass there is among its `conflicts`.
-        """
-        legs = self._legs[bot]
-        stand = None
-        while legs and legs[-1][0].depart > now:
-            leg, stand = legs.pop()
-            forget_bot(self._table, bot, leg.depart)
-        if stand is not None:
-            self._stay(bot, stand)
+        return self.plan(bot, goal, earliest, loaded=loaded, blocked_spots=blocked_spots, hurried=hurried)
 
     def forget_before(self, now: float) -> None:
         """What is over by now need not be remembered; call it from time to time."""
@@ -333,52 +305,7 @@ class Traffic:
         """How long drives from a place take to every lane and spot (s); read only, kept for station lines."""
         return self._routes.away(start)[0]
 
-    # ---- at the start ----------------------------------------------------------------------------------------
-
-    def is_lane(self, waypoint: int) -> bool:
-        """Whether everybody passes there, so that nobody should stay."""
-        return waypoint == NOWHERE or (not self._roads.spot[waypoint] and self._roads.line[waypoint] < 0)
-
-    def parking(self, bot: int, taken: Iterable[int] = ()) -> list[int]:
-        """The free storage spots where a bot could wait, the nearest first."""
-        stand = self._stands[bot]
-        start = self._nearby.waypoint(*stand.point) if stand.waypoint == NOWHERE else stand.waypoint
-        times = self._routes.away(start)[0].copy()
-        times[~self._roads.spot] = np.inf
-        times[list(taken)] = np.inf
-        near = np.argsort(times, kind="stable")
-        return [int(w) for w in near[np.isfinite(times[near])] if free_from(self._table, w, bot) < math.inf]
-
-    def clear_lanes(self, earliest: float, taken: Iterable[int] = ()) -> list[Leg]:
-        """Send all unloaded bots that stay on lanes or in lines to storage spots; those that can go."""
-        spots = set(taken)
-        waiting = [bot for bot, stand in sorted(self._stands.items()) if not self._on_spot(stand)]
-        legs: list[Leg] = []
-        while True:
-            gone = []
-            for bot in waiting:
-                for spot in self.parking(bot, spots)[:_TRIED_SPOTS]:
-                    leg = self.plan(bot, spot, earliest, loaded=False)
-                    if leg is not None:
-                        spots.add(spot)
-                        gone.append(bot)
-                        legs.append(leg)
-                        break
-            waiting = [bot for bot in waiting if bot not in gone]
-            if not gone:
-                return legs
-
-    def set_storage_spot(self, waypoint: int, is_spot: bool) -> None:
-        """A waypoint becomes a storage spot, or a lane again."""
-        self._roads.spot[waypoint] = is_spot
-        kind_of_spots(self._roads)
-        self._routes = Routes(self._roads)
-        self.deep = self._routes.deep
-
     # ---- within ----------------------------------------------------------------------------------------------
-
-    def _on_spot(self, stand: _Stand) -> bool:
-        return stand.waypoint != NOWHERE and bool(self._roads.spot[stand.waypoint])
 
     def _last_stretch(self, start: int, goal: int) -> Line:
         """The goal, and the places of its line that one must pass on the way there."""
@@ -388,24 +315,22 @@ class Traffic:
         return line[first:behind]
 
     def _on_way(
-        self, edges: int, bot: int, goal: int, ready: float, goal_free: float, blocked: Mask, depart_by: float
+        self, edges: int, bot: int, goal: int, ready: float, goal_free: float, blocked: Mask
     ) -> tuple[int, float]:
         """The label at the goal of the way on the desk, -1 for none; and when a bot could be there at best."""
         if edges == 0:
             return -1, ready
         desk = self._desk
         rest_of_way(self._roads, desk, edges)
-        label = self._search(bot, goal, ready, desk.rest, True, blocked, depart_by, math.inf, _LABELS_ON_WAY)
+        label = self._search(bot, goal, ready, desk.rest, True, blocked, math.inf, _LABELS_ON_WAY)
         return label, max(ready + float(desk.rest[self._stands[bot].waypoint]), goal_free)
 
-    def _on_any_way(
-        self, bot: int, goal: int, ready: float, blocked: Mask, depart_by: float, worst: float, hurried: bool
-    ) -> int:
+    def _on_any_way(self, bot: int, goal: int, ready: float, blocked: Mask, worst: float, hurried: bool) -> int:
         times = self._routes.to(goal)[0]
         if times[self._stands[bot].waypoint] == math.inf:
             return -1
         most = _LABELS_FOR_ANY if worst == math.inf and not hurried else _LABELS_FOR_BETTER
-        return self._search(bot, goal, ready, times, False, blocked, depart_by, worst, most)
+        return self._search(bot, goal, ready, times, False, blocked, worst, most)
 
     def _search(
         self,
@@ -415,24 +340,23 @@ class Traffic:
         rest: Floats,
         marked_only: bool,
         blocked: Mask,
-        depart_by: float,
         worst: float,
         most: int,
     ) -> int:
         stand, desk = self._stands[bot], self._desk
         label = search(
             self._roads, self._table, desk, bot, stand.waypoint, goal, ready, stand.heading, rest, marked_only,
-            self.deep, blocked, depart_by, worst, most,
+            self.deep, blocked, worst, most,
         )  # fmt: skip
         self.looked += int(desk.looked[0])
         desk.looked[0] = 0
         return label
 
-    def _book(self, bot: int, label: int, ready: float, depart_by: float) -> Leg | None:
+    def _book(self, bot: int, label: int, ready: float) -> Leg | None:
         """Write what leads to a label into the timetable; None where that has only just been made large enough."""
         stand, roads, desk = self._stands[bot], self._roads, self._desk
         runs = read_schedule(desk, label, self._table.begin.shape[1] + 1)
-        wait_early(roads, self._table, desk, runs, ready, stand.heading, depart_by, bot)
+        wait_early(roads, self._table, desk, runs, ready, stand.heading, bot)
         if book(roads, self._table, desk, runs, ready, stand.heading, self._past, bot) == TABLE_FULL:
             self._enlarge()
             return None
@@ -456,9 +380,7 @@ class Traffic:
         self._legs[leg.bot] = [*legs, (leg, self._stands[leg.bot])]
         self._stands[leg.bot] = _Stand(leg.waypoints[-1], leg.points[-1], leg.arrive, heading)
 
-    def _rejoin(
-        self, bot: int, goal: int, ready: float, loaded: bool, depart_by: float, blocked: Mask, hurried: bool
-    ) -> Leg | None:
+    def _rejoin(self, bot: int, goal: int, ready: float, loaded: bool, blocked: Mask, hurried: bool) -> Leg | None:
         """A leg from beside the graph: straight to a waypoint that nobody else will pass, and on from there."""
         stand, roads = self._stands[bot], self._roads
         for waypoint in self._nearby.ways_back(stand.point, loaded, blocked, goal):
@@ -466,7 +388,7 @@ class Traffic:
             dx, dy = point[0] - stand.point[0], point[1] - stand.point[1]
             held = self._nearby.held_to(stand.point, waypoint)
             depart = max(ready, *(float(free_from(self._table, w, bot)) for w in held))
-            if depart == math.inf or depart > depart_by:
+            if depart == math.inf:
                 continue
             heading = heading_of(dx, dy)
             length = float(np.sqrt(dx * dx + dy * dy))
@@ -489,6 +411,12 @@ class Traffic:
             forget_bot(self._table, bot, -math.inf)
             self._stay(bot, stand)
         return None
+
+    def _forget(self, bot: int) -> None:
+        """Whatever was planned for a bot is forgotten; it is nowhere."""
+        if self._stands.pop(bot, None) is not None:
+            forget_bot(self._table, bot, -math.inf)
+        self._legs[bot] = []
 
     def _stay(self, bot: int, stand: _Stand) -> None:
         """Let a bot stand for good."""
