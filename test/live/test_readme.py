@@ -1,4 +1,8 @@
-"""Every command of the README works as it stands there."""
+"""Every command of the README and of what stands in docs works as it stands there.
+
+They stand in blocks of `sh`. Those in a block of `sh terminals` run at the same time; those in a block of `sh long`
+take minutes to hours and are run shortened.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +25,28 @@ from soup_msgs_py.qos import EVERY_ONE
 from .conftest import Parts
 from .person import Person
 
-README = (_environment.ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```sh( terminals)?\n(.*?)```", README, flags=re.DOTALL)
-ALONE = [line for together, block in BLOCKS if not together for line in block.splitlines()]
-TOGETHER = [line for together, block in BLOCKS if together for line in block.splitlines()]
-TOLD = {"plan_world": "proven shortest", "replay_bag": "messages up to"}  # by program
+DOCUMENTS = (_environment.ROOT / "README.md", *sorted((_environment.ROOT / "docs").rglob("*.md")))
+TEXTS = {file.name: file.read_text(encoding="utf-8") for file in DOCUMENTS}
+BLOCK = re.compile(r"^```sh\b *(.*?)\n(.*?)^```", flags=re.DOTALL | re.MULTILINE)
+ALONE, TOGETHER, LONG = (
+    [
+        line
+        for text in TEXTS.values()
+        for kind, block in BLOCK.findall(text)
+        if kind == wanted
+        for line in block.splitlines()
+    ]
+    for wanted in ("", "terminals", "long")
+)
+KINDS = {"", "terminals", "long"}
+ELSEWHERE = "hosts.md"  # needs several machines: test_hosts.py makes them
+TOLD = {"plan_world": "proven shortest", "replay_bag": "messages up to", "benchmark": "times faster"}  # by program
+SHORTENED = {  # what a program gets besides; of what is given twice, the second counts
+    "run_headless": ("--warmup", "0", "--duration", "20"),
+    "run_warehouse": ("--warmup", "0", "--duration", "20"),
+    "compare_policies": ("--replications", "1"),
+    "benchmark": ("--time-limit", "1"),
+}
 UNTIL_CTRL_C = "python3 scripts/run_warehouse.py"
 THESE_TESTS = "python3 scripts/run_tests.py"  # CI runs it; it runs this test
 
@@ -41,7 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def reader(domain: str, folder: Path) -> Iterator[Parts]:
-    """Somebody who types the commands of the README."""
+    """Somebody who types the commands of the documents."""
     parts = Parts(folder)
     try:
         yield parts
@@ -51,9 +72,9 @@ def reader(domain: str, folder: Path) -> Iterator[Parts]:
 
 
 def typed(reader: Parts, line: str, *more: str) -> subprocess.Popen[str]:
-    """Start a command of the README."""
-    program, script, *arguments = shlex.split(line)
-    assert program == "python3"
+    """Start a command of a document."""
+    python, script, *arguments = shlex.split(line)
+    assert python == "python3"
     return reader.start(script.removeprefix("scripts/"), *arguments, *more)
 
 
@@ -61,16 +82,32 @@ def test_the_readme_has_commands() -> None:
     assert UNTIL_CTRL_C in ALONE
     assert THESE_TESTS in ALONE
     assert TOGETHER
+    assert LONG
+
+
+@pytest.mark.parametrize("name", [name for name in TEXTS if name != ELSEWHERE])
+def test_every_command_stands_where_these_tests_find_it(name: str) -> None:
+    assert {kind for kind, _ in BLOCK.findall(TEXTS[name])} <= KINDS
+    assert "python3 scripts/" not in BLOCK.sub("", TEXTS[name])
 
 
 @pytest.mark.live
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("line", [line for line in ALONE if line not in (UNTIL_CTRL_C, THESE_TESTS)])
 def test_a_command_that_ends_by_itself_ends_well(reader: Parts, line: str) -> None:
-    process = typed(reader, line)
-    out, err = process.communicate(timeout=500)
-    assert process.returncode == 0, err
-    assert TOLD.get(Path(line.split()[1]).stem, "violations") in out
+    assert_ends_well(typed(reader, line), line)
+
+
+@pytest.mark.live
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("line", LONG)
+def test_a_long_command_ends_well_when_it_is_shortened(reader: Parts, folder: Path, line: str) -> None:
+    for name in re.findall(r"config/experiments/\S+", line):
+        experiment = (folder / name).read_text(encoding="utf-8")
+        experiment = re.sub(r"^warmup_s: \S+", "warmup_s: 0", experiment, flags=re.MULTILINE)
+        (folder / name).write_text(re.sub(r"^duration_s: \S+", "duration_s: 20", experiment, flags=re.MULTILINE))
+    port = ("--port", free_port()) if "run_warehouse" in line else ()
+    assert_ends_well(typed(reader, line, *SHORTENED[program(line)], *port), line)
 
 
 @pytest.mark.live
@@ -88,11 +125,23 @@ def test_the_live_warehouse_runs_until_ctrl_c(reader: Parts) -> None:
 def test_the_parts_in_their_own_terminals_move_letters(reader: Parts) -> None:
     world, *others = TOGETHER
     more = {"run_dashboard": ("--port", free_port())}
-    processes = [typed(reader, line, *more.get(Path(line.split()[1]).stem, ())) for line in [*others, world]]
+    processes = [typed(reader, line, *more.get(program(line), ())) for line in [*others, world]]
     wait_for_event("transferred")
     for process in processes:
         err = reader.interrupt(process)
         assert process.returncode == 0, err
+
+
+def program(line: str) -> str:
+    """The name of the program that a command starts."""
+    return Path(line.split()[1]).stem
+
+
+def assert_ends_well(process: subprocess.Popen[str], line: str) -> None:
+    """Wait for the end of a command: it has worked, and has said what it found."""
+    out, err = process.communicate(timeout=500)
+    assert process.returncode == 0, err
+    assert TOLD.get(program(line), "violations") in out
 
 
 def free_port() -> str:
