@@ -18,6 +18,7 @@ from pathlib import Path
 import pytest
 
 import _environment
+from soup_lab.bound_program import bound
 
 SCRIPTS = _environment.ROOT / "scripts"
 MARK = "SOUP_TEST"  # environment variable by which a test knows its processes, grandchildren included
@@ -63,7 +64,7 @@ class Parts:
 
     def _start(self, command: list[str]) -> subprocess.Popen[str]:
         process = subprocess.Popen(
-            command,
+            bound(command, signal.SIGKILL),
             cwd=self.folder,
             env={**os.environ, MARK: self.mark},
             stdin=subprocess.DEVNULL,

@@ -22,6 +22,7 @@ pytestmark = [pytest.mark.live, pytest.mark.timeout(120)]
 HERE = Path(__file__).parent
 
 
+PROCESSES = 12  # chaos, the warehouse and what forks and guards it, the world, three managers, four for bots
 BY_THE_KERNEL = {-signal.SIGPROF, -signal.SIGALRM}  # the latter on a machine that has no time for who spins
 
 
@@ -44,6 +45,22 @@ def test_a_part_that_spins_does_not_outlive_a_starter_that_was_killed(parts: Par
     starter = parts.run_file(HERE / "spinner_starter.py", where, str(ready))
     wait_until(lambda: ready.exists() or starter.poll() is not None, "the part is at work")
     starter.kill()
+    assert parts.all_gone()
+
+
+def test_what_tests_have_started_does_not_outlive_tests_that_are_killed(parts: Parts):
+    tests = parts.run_file(HERE / "killed_tests.py")
+    wait_until(lambda: len(parts.alive()) == 2 or tests.poll() is not None, "the part is there")
+    tests.kill()
+    assert tests.wait() == -signal.SIGKILL
+    assert parts.all_gone()
+
+
+def test_chaos_that_is_killed_leaves_no_warehouse(parts: Parts):
+    chaos = parts.start("chaos.py", "--set", "bots=4")
+    wait_until(lambda: len(parts.alive()) >= PROCESSES or chaos.poll() is not None, "the warehouse is there")
+    chaos.kill()
+    assert chaos.wait() == -signal.SIGKILL
     assert parts.all_gone()
 
 

@@ -21,6 +21,7 @@ from rich.console import Console
 from rich.table import Table
 from soup_msgs import msg
 
+from soup_lab.bound_program import bound
 from soup_lab.lab_arguments import parse_chaos
 from soup_msgs_py import topics
 from soup_msgs_py.codes import EventType
@@ -175,7 +176,7 @@ class Chaos:
         before = self._pid(name)
         self._begin()
         command = [sys.executable, str(self._scripts / "swap_manager.py"), role, "--policies", str(self._policies)]
-        other = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        other = subprocess.Popen(bound(command, signal.SIGINT), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             self.wait(lambda: self._pid(name) == other.pid, PATIENCE_S)
             there = self._until_words_flow()
@@ -244,7 +245,9 @@ def run(options: argparse.Namespace) -> int:
         policies.write_text(OTHER_POLICIES, encoding="utf-8")
         with open(Path(folder) / "said", "w+", encoding="utf-8") as said:
             command += ["--summary", str(summary)]
-            warehouse = subprocess.Popen(command, stdout=said, stderr=said, env={**os.environ, "COLUMNS": WIDE})
+            warehouse = subprocess.Popen(
+                bound(command, signal.SIGINT), stdout=said, stderr=said, env={**os.environ, "COLUMNS": WIDE}
+            )
             chaos = Chaos(live, random.Random(options.seed), options.scripts, policies, console)
             try:
                 _strike_on(chaos, live, warehouse, 60.0 * options.minutes)
