@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from soup_managers.fleets.minimal.fleet import FleetManager
+from soup_managers.fleets.minimal.fleet import TripFleet
 from soup_managers.letter_manager import LetterManager
 from soup_managers.policies.fleet import Minimal as MinimalFleet
 from soup_managers.policies.letter import Minimal as MinimalLetter
@@ -345,7 +345,7 @@ class Warehouse:
         self.rng = np.random.default_rng(seed)
         self.router = Router(world.layout)
         self.shared = WarehouseView(world.scenario, world.layout) if shared_view else None
-        self.minds: dict[str, WordManager | LetterManager | FleetManager] = {}
+        self.minds: dict[str, WordManager | LetterManager | TripFleet] = {}
         self.log: list = []
         self.lag = lag
         world.forgiving = lag > 0
@@ -366,7 +366,7 @@ class Warehouse:
             kinds = np.full(view.kinds, 1.0 / view.kinds)
             self.minds[role] = LetterManager(*common, MinimalLetter(), view, self.rng, kinds)
         else:
-            self.minds[role] = FleetManager(*common, MinimalFleet(), view, self.rng, self.router)
+            self.minds[role] = TripFleet(*common, MinimalFleet(), view, self.rng, self.router)
         self.tell(role, world.snapshot())
 
     def restart(self, role: str) -> None:
@@ -382,10 +382,10 @@ class Warehouse:
                 )
 
     @property
-    def fleet(self) -> FleetManager:
+    def fleet(self) -> TripFleet:
         """The fleet manager."""
         mind = self.minds["fleet"]
-        assert isinstance(mind, FleetManager)
+        assert isinstance(mind, TripFleet)
         return mind
 
     def tell(self, role: str, *messages) -> None:

@@ -7,7 +7,7 @@ import pytest
 from managers_world import TinyWorld, layout_of, scenario_of
 
 from soup_managers.bitset import first, members
-from soup_managers.fleets.minimal.fleet import GATHER_S, FleetManager
+from soup_managers.fleets.minimal.fleet import GATHER_S, TripFleet
 from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.plans import PlanError, PlannedVisit, TripPlan
 from soup_managers.policies.fleet import FleetPolicy
@@ -72,7 +72,7 @@ class Fleet:
     def __init__(self, world: TinyWorld, bots: int = 4, policy: FleetPolicy | None = None) -> None:
         self.world = world
         view = WarehouseView(world.scenario, world.layout)
-        self.mind = FleetManager(world.scenario, world.layout, policy or AllAtOnce(), view, world.rng)
+        self.mind = TripFleet(world.scenario, world.layout, policy or AllAtOnce(), view, world.rng)
         self.sequence = world.sequence
         # a second ago, so that it no longer waits for bots that do not come
         self.tell(world.snapshot(), *world.status[:bots], now=-GATHER_S)
@@ -276,7 +276,7 @@ def test_a_trip_that_a_bot_was_on_in_a_world_that_has_ended_is_not_waited_for(wo
 
 def test_a_new_fleet_manager_waits_a_moment_for_all_bots_to_say_what_they_do(world):
     view = WarehouseView(world.scenario, world.layout)
-    mind = FleetManager(world.scenario, world.layout, AllAtOnce(), view, world.rng)
+    mind = TripFleet(world.scenario, world.layout, AllAtOnce(), view, world.rng)
     for message in (world.snapshot(), WORD, idle(0), idle(1), idle(2)):
         assert not [said for said in mind.handle(message, 5.0) if isinstance(said, TripGoal)]
     assert mind.next_wake == 5.0 + GATHER_S
@@ -285,7 +285,7 @@ def test_a_new_fleet_manager_waits_a_moment_for_all_bots_to_say_what_they_do(wor
 
 def test_goals_that_come_before_the_snapshot_are_kept(world):
     view = WarehouseView(world.scenario, world.layout)
-    mind = FleetManager(world.scenario, world.layout, AllAtOnce(), view, world.rng)
+    mind = TripFleet(world.scenario, world.layout, AllAtOnce(), view, world.rng)
     (feedback,) = mind.handle(WORD, 0.0)
     assert "snapshot" in feedback.message
     mind.handle(idle(0), 0.0)

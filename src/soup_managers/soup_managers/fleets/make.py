@@ -6,7 +6,7 @@ import numpy as np
 
 from soup_managers.explain import Explain
 from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
-from soup_managers.fleets.minimal.fleet import FleetManager
+from soup_managers.fleets.minimal.fleet import TripFleet
 from soup_managers.fleets.planned.fleet import PlannedFleet
 from soup_managers.policies import FLEET
 from soup_managers.policies.coordinated import Coordinated
@@ -20,7 +20,7 @@ from soup_msgs_py.layout import Layout
 from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.scenario import Scenario
 
-Fleet = FleetManager | CoordinatedFleet | PlannedFleet
+Fleet = TripFleet | CoordinatedFleet | PlannedFleet
 
 
 def load_fleet(choice: PolicyChoice) -> AnyFleet:
@@ -67,5 +67,5 @@ def make_fleet(
     if isinstance(policy, FleetPolicy):
         router = Router(layout)
         router.route(int(layout.storage_spots[0]), int(layout.word_stations[0]))
-        return FleetManager(scenario, layout, policy, view, rng, router, explain)
+        return TripFleet(scenario, layout, policy, view, rng, router, explain)
     raise TypeError(f"{type(policy).__name__} extends neither FleetPolicy nor Coordinated nor Planned")

@@ -12,10 +12,10 @@ from __future__ import annotations
 import numpy as np
 
 from soup_managers.explain import Explain
+from soup_managers.fleets.base import Fleet
 from soup_managers.fleets.coordinated.adopting import drives_on, stays
 from soup_managers.fleets.coordinated.digging import Digging
 from soup_managers.fleets.coordinated.fetching import Fetch, Fetching
-from soup_managers.fleets.coordinated.jobs import Job
 from soup_managers.fleets.coordinated.lines import FAR_S, Lines, spots_near
 from soup_managers.fleets.coordinated.lowest import lowest
 from soup_managers.fleets.coordinated.places import Places
@@ -25,8 +25,7 @@ from soup_managers.fleets.coordinated.settling import Settling
 from soup_managers.fleets.coordinated.situation import Situation
 from soup_managers.fleets.coordinated.watch import Watch
 from soup_managers.fleets.coordinated.whereabouts import RETRY_S, Whereabouts
-from soup_managers.fleets.minimal.letters import goal_tiles
-from soup_managers.manager import Manager
+from soup_managers.fleets.tasks import Key, Task
 from soup_managers.policies.coordinated import Coordinated
 from soup_managers.traffic import Traffic
 from soup_managers.view import WarehouseView
@@ -39,15 +38,9 @@ from soup_msgs_py.messages import (
     Bots,
     BotStatus,
     Bound,
-    CancelTask,
-    DeliverGoal,
     DriveGoal,
     DriveResult,
     Event,
-    StoreGoal,
-    TaskFeedback,
-    TaskResult,
-    TaskState,
     TileMove,
     Trip,
     TripGoal,
@@ -71,11 +64,10 @@ NEARLY_ALL = 0.9  # tasks: some words may only just have been opened
 KEEP_ROOM = 0.25  # share of the capacity: a bucket with less room is done at a letter station
 
 
-class CoordinatedFleet(Manager):
+class CoordinatedFleet(Fleet[Task]):
     """Serves the other managers' tasks with reserved traffic and the decisions of a `Coordinated` policy.
 
-    It owns nothing durable: bots, buckets and stations are as the world tells, and what is bound for where is
-    decided anew by a new one.
+    Bots, buckets and stations are as the world tells, and what is bound for where is decided anew by a new one.
     """
 
     def __init__(
@@ -87,11 +79,11 @@ class CoordinatedFleet(Manager):
         rng: np.random.Generator,
         explain: Explain | None = None,
     ) -> None:
-        super().__init__(view)
-        self._scenario, self._layout, self._policy, self._rng = scenario, layout, policy, rng
+        self._layout, self._policy = layout, policy
         self._explain = explain or Explain()
         self._traffic = Traffic(scenario, layout)
         self.situation = Situation(view, layout, self._traffic, policy.horizons, rng)
+        super().__init__(view, self.situation.tasks)
         self._places = Places(layout, scenario.bots)
         self._digging = Digging(layout, self._places)
         self._fetching = Fetching(self.situation, policy, self._places, self._digging, self._explain, self.mistakes)
@@ -101,9 +93,7 @@ class CoordinatedFleet(Manager):
         self._kept_free = np.zeros(len(layout.waypoints), bool)
         self._kept_free[[spot for spots in self._waiting_spots for spot in spots]] = True
         self._lines = Lines(self.situation, self._traffic.lines)
-        self._early: list[Message] = []
         self._told: dict[int, BotStatus] = {}  # bots that say that they stand or work, and are still to be seen there
-        self._ahead: dict[int, DeliverGoal | StoreGoal] = {}  # by word: goals that came before it was opened
         self._orders = 0
         self._watch = Watch(self.situation.robots)
         self._said: list[Message] = []
@@ -121,46 +111,20 @@ class CoordinatedFleet(Manager):
         self._settling = Settling()
         self._tick = NEVER
         self._undecided: list[Robot] = []
+        self._has_idle = True  # whether bots had no work when all stations were looked at last
         self._looks_at, self._looks_before = -1.0, 0  # when ways were looked for last, and how many looks before then
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
         self._handlers |= {
-            DeliverGoal: self._handle_goal,
-            StoreGoal: self._handle_goal,
-            CancelTask: self._handle_cancel,
-            BotStatus: self._handle_status,
             BotGone: self._handle_gone,
             TripResult: self._handle_result,
             DriveResult: self._handle_result,
             Bots: self._handle_bots,
         }
 
-    def tasks(self) -> tuple[TaskState, ...]:
-        """The fleet's list of tasks, in the order of their arrival."""
+    def bots_of(self) -> dict[Key, tuple[int, ...]]:
+        """The bots that are bound for the station of each task."""
         bound = [tuple(robot.number for robot in robots) for robots in self.situation.bound]
-        idle = bool(self.situation.idle_bots())
-        return tuple(
-            [
-                TaskState(
-                    job.number,
-                    job.kind,
-                    job.station,
-                    job.job,
-                    tuple(job.missing),
-                    bound[job.station],
-                    self._reason(job, idle),
-                )
-                for job in self.situation.jobs.all.values()
-            ]
-        )
-
-    def _tell_tasks(self, said: list[Message]) -> None:
-        """Tell the managers of all tasks that have come further, or wait for something else than they were told."""
-        idle = bool(self.situation.idle_bots())
-        for job in self.situation.jobs.all.values():
-            told = len(job.missing), self._reason(job, idle)
-            if told != job.told:
-                job.told = told
-                said.append(TaskFeedback(job.kind, job.number, tuple(job.missing), told[1]))
+        return {key: bound[task.station] for key, task in self.book.tasks.items()}
 
     @property
     def stalled(self) -> dict[int, str]:
@@ -187,7 +151,7 @@ class CoordinatedFleet(Manager):
         for robot in self._watch.overdue(now):
             self._whereabouts.overdue(robot, now)
         if now < self._tick:
-            return self._act(now)
+            return self.step(now)
         self._tick = now + TICK_S
         self._settle(now)
         self._find_again(now)
@@ -200,25 +164,19 @@ class CoordinatedFleet(Manager):
         self._traffic.forget_before(now)
         self._explain.now = now
         self._fetch(now)
-        said = self._act(now)
-        self._tell_tasks(said)
-        return said
+        said = self.step(now)
+        self._has_idle = bool(self.situation.idle_bots())
+        return said + self.tell_tasks(list(self.book.tasks.values()))
 
-    def on_world(self, now: float) -> list[Message]:
-        """Make the books about buckets anew from the view, and hear what came before it."""
+    def take_over(self, now: float) -> None:
+        """Make the books about buckets anew from the view."""
         self._settling.begin(now)
         self.situation.take_over()
         self._places.take_over(self.view.bucket_on, self.view.storage_spots)
         for robot in self.situation.robots:
             if robot.load >= 0:
                 self.situation.free_buckets[robot.load] = False
-        # words may have been opened without an event that was heard
-        early, self._early, self._ahead = [*self._early, *self._ahead.values()], [], {}
-        said = [answer for message in early for answer in self.handle(message, now)]
-        for job in list(self.situation.jobs.all.values()):
-            self._correct(job)
         self._tick = now + TICK_S
-        return said + self._act(now)
 
     def on_event(self, event: Event, now: float) -> list[Message]:
         """Tiles were moved, buckets lifted and set down."""
@@ -226,16 +184,13 @@ class CoordinatedFleet(Manager):
         if kind is EventType.TRANSFERRED:
             delivered = event.station < situation.word_stations
             situation.stock.put(event.bucket, event.tile, -1 if delivered else 1)
-            situation.jobs.moved((DELIVER if delivered else STORE, event.job), event.tile)
+            situation.tasks.moved((DELIVER if delivered else STORE, event.job), event.tile)
             situation.changed(event.station)
-        elif kind is EventType.WORD_ASSIGNED and event.job in self._ahead:
-            return self._handle_goal(self._ahead.pop(event.job), now)
+        elif kind is EventType.WORD_ASSIGNED:
+            return self.opened(event, now)
         elif kind is EventType.WORD_COMPLETED or kind is EventType.BUNDLE_EMPTIED:
-            job = situation.jobs.all.get((DELIVER if kind is EventType.WORD_COMPLETED else STORE, event.job))
-            if job is not None:
-                situation.jobs.remove(job)
-                situation.changed(job.station)
-                return [TaskResult(job.kind, job.number, Code.DONE, "all letters are in place")]
+            task = self.completed(event)
+            return [self.end(task)] if task is not None else []
         elif kind is EventType.GRABBED:
             situation.free_buckets[event.bucket] = False
             self._places.lifted(int(situation.spot_of[event.bucket]))
@@ -251,51 +206,14 @@ class CoordinatedFleet(Manager):
 
     # ---- messages ------------------------------------------------------------------------------------------
 
-    def _handle_goal(self, goal: DeliverGoal | StoreGoal, now: float) -> list[Message]:
-        kind = DELIVER if isinstance(goal, DeliverGoal) else STORE
-        if not self.view.ready:
-            self._early.append(goal)
-            return [TaskFeedback(kind, goal.task, goal_tiles(goal), "the fleet waits for a snapshot of the world")]
-        number = goal.word if isinstance(goal, DeliverGoal) else goal.bundle
-        if kind == DELIVER and number in self.view.waiting_words:
-            before = self._ahead.get(number)
-            self._ahead[number] = goal
-            said: list[Message] = [TaskFeedback(kind, goal.task, goal_tiles(goal), f"word {number} is not open yet")]
-            if before is not None and before.task != goal.task:
-                said.append(TaskResult(kind, before.task, Code.REPLACED, f"task {goal.task} asks for the same"))
-            return said
-        if not self._is_there(kind, number, goal.station):
-            what = f"word {number} is not open" if kind == DELIVER else f"bundle {number} is not staged"
-            return [TaskResult(kind, goal.task, Code.UNKNOWN, f"{what} on station {goal.station}")]
-        old = self.situation.jobs.accept(goal)
-        self.situation.changed(goal.station)
-        if old is not None and old.number != goal.task:
-            self._said.append(TaskResult(kind, old.number, Code.REPLACED, f"task {goal.task} asks for the same"))
-        job = self.situation.jobs.all[kind, number]
-        self._correct(job)
-        docked = self._lines.at(goal.station, 0)
+    def on_goal(self, task: Task) -> None:
+        """The bucket at the dock may serve it."""
+        docked = self._lines.at(task.station, 0)
         if docked is not None and docked.activity is Activity.STANDS:
             self._undecided.append(docked)
-        return self._act(now)
 
-    def _handle_cancel(self, cancel: CancelTask, now: float) -> list[Message]:
-        ahead = [number for number, goal in self._ahead.items() if (DELIVER, goal.task) == (cancel.kind, cancel.task)]
-        for number in ahead:
-            del self._ahead[number]
-        job = self.situation.jobs.numbered(cancel.kind, cancel.task)
-        if job is None and ahead:
-            return [TaskResult(cancel.kind, cancel.task, Code.CANCELLED, "taken back")]
-        if job is None:
-            text = f"the fleet has no {cancel.kind} task {cancel.task}"
-            return [TaskResult(cancel.kind, cancel.task, Code.UNKNOWN, text)]
-        self.situation.jobs.remove(job)
-        self.situation.changed(job.station)
-        return [TaskResult(job.kind, job.number, Code.CANCELLED, "taken back")]
-
-    def _handle_status(self, status: BotStatus, now: float) -> list[Message]:
-        if not self.view.ready:
-            self._early.append(status)
-            return []
+    def on_status(self, status: BotStatus, now: float) -> list[Message]:
+        """A bot may be seen for the first time, or drive for somebody else."""
         robot = self.situation.robots[status.bot]
         self._watch.heard(status, now)
         if status.trip is not None:
@@ -307,7 +225,7 @@ class CoordinatedFleet(Manager):
             robot.failed_at = max(robot.failed_at, status.time)  # where it was seen before, it may not be any more
         if drives_on(status) and (is_new or self._whereabouts.drives_for_another(robot, status, now)):
             self._whereabouts.adopt_drive(robot, status)
-            return self._act(now)
+            return self.step(now)
         if (is_new and (stands or stays(status))) or (stands and robot.adopted):
             self._told[robot.number] = status
             return self._enter(now)
@@ -320,7 +238,7 @@ class CoordinatedFleet(Manager):
         if robot.activity is not Activity.STANDS:
             return []
         self._whereabouts.failed(robot, Code.STOPPED, f"nobody answers for bot {gone.bot}", True, now)
-        return self._act(now)
+        return self.step(now)
 
     def _enter(self, now: float) -> list[Message]:
         """Enter the bots that have told that they stand, and were seen since: where they were before, they drove."""
@@ -343,7 +261,7 @@ class CoordinatedFleet(Manager):
             return []
         if not self._watch.unplaced:
             self._fetch(now)
-        return self._act(now)
+        return self.step(now)
 
     def _handle_bots(self, bots: Bots, now: float) -> list[Message]:
         if self.view.ready:
@@ -373,30 +291,7 @@ class CoordinatedFleet(Manager):
             self._arrived(robot, now)
         else:
             self._worked(robot)
-        return self._act(now)
-
-    def _is_there(self, kind: str, number: int, station: int) -> bool:
-        if kind == DELIVER:
-            word = self.view.open_words.get(number)
-            return word is not None and word.station == station
-        bundle = self.view.staged_bundles.get(number)
-        return bundle is not None and bundle.station == station
-
-    def _correct(self, job: Job) -> None:
-        """Make a task's missing tiles those that are really missing."""
-        if job.kind == DELIVER:
-            word = self.view.open_words.get(job.job)
-            left = list(word.missing) if word is not None else []
-        else:
-            bundle = self.view.staged_bundles.get(job.job)
-            left = [bundle.tile] * bundle.count if bundle is not None else []
-        asked = []
-        for tile in job.missing:
-            if tile in left:
-                left.remove(tile)
-                asked.append(tile)
-        self.situation.jobs.correct(job, asked)
-        self.situation.changed(job.station)
+        return self.step(now)
 
     # ---- where bots stand ----------------------------------------------------------------------------------
 
@@ -536,12 +431,12 @@ class CoordinatedFleet(Manager):
 
     def _has_all_tasks(self) -> bool:
         """Whether nearly all words and bundles that are on stations are in tasks, and some are."""
-        jobs, view = self.situation.jobs.all, self.view
+        tasks, view = self.book.tasks, self.view
         words = [word for word, state in view.open_words.items() if state.missing]
-        tasks = [*((DELIVER, word) for word in words), *((STORE, bundle) for bundle in view.staged_bundles)]
-        return bool(tasks) and sum(task in jobs for task in tasks) >= NEARLY_ALL * len(tasks)
+        keys = [*((DELIVER, word) for word in words), *((STORE, bundle) for bundle in view.staged_bundles)]
+        return bool(keys) and sum(key in tasks for key in keys) >= NEARLY_ALL * len(keys)
 
-    def _act(self, now: float) -> list[Message]:
+    def step(self, now: float) -> list[Message]:
         """Decide what is to be decided, and say it."""
         self._explain.now = now
         self._settle(now)
@@ -644,8 +539,8 @@ class CoordinatedFleet(Manager):
         """The tiles that can be moved between a bot's bucket and a station."""
         situation = self.situation
         if situation.is_word_station(station):
-            return situation.jobs.deliveries(station, situation.stock.of(robot.bucket))
-        return situation.jobs.fillings(station, situation.room(robot.bucket))
+            return situation.tasks.deliveries(station, situation.stock.of(robot.bucket))
+        return situation.tasks.fillings(station, situation.room(robot.bucket))
 
     def _stays_at_dock(self, robot: Robot) -> bool:
         """Whether a bot stands at a dock that nobody else has and where its bucket is of use; it serves there then."""
@@ -756,18 +651,18 @@ class CoordinatedFleet(Manager):
         if fetch is not None:
             self._send_for(fetch, now)
 
-    def _reason(self, job: Job, idle: bool) -> str:
-        """Why a task waits; empty where something is on its way to its station. `idle`: some bots have no work."""
+    def reason(self, task: Task) -> str:
+        """Why a task waits; empty where something is on its way to its station."""
         if self._watch.unplaced:
             return f"{len(self._watch.unplaced)} bots have not said that they are there"
-        if self.situation.closed[job.station]:
+        if self.situation.closed[task.station]:
             return "a bot that does not answer stands in the line of its station"
-        if not self.situation.bound[job.station]:
-            if not idle:
+        if not self.situation.bound[task.station]:
+            if not self._has_idle:
                 return "all bots are busy"
-            if job.kind == STORE:
+            if task.kind == STORE:
                 return "no free bucket has room"
-            nowhere = [tile for tile in dict.fromkeys(job.missing) if not self.situation.stock.tiles[tile].any()]
+            nowhere = [tile for tile in dict.fromkeys(task.missing) if not self.situation.stock.tiles[tile].any()]
             return (
                 f"no bucket holds {', '.join(map(tile_name, nowhere[:3]))}" if nowhere else "no free bucket serves it"
             )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.fleets.coordinated.jobs import Jobs
+from soup_managers.fleets.coordinated.jobs import StationBook
 from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
 from soup_managers.fleets.coordinated.stock import Stock, tiles_of
 from soup_managers.view import WarehouseView
@@ -88,7 +88,7 @@ class Situation:
     Attributes:
         view: The warehouse as the world tells it.
         layout: The floor.
-        jobs: Words and bundles that are to be served.
+        tasks: Words and bundles that are to be served.
         stock: Tiles in buckets.
         robots: The bots.
         rng: For all random draws of policies.
@@ -118,7 +118,7 @@ class Situation:
         self.robot_xy = np.zeros((scenario.bots, 2))
         self.closed = np.zeros(len(self.docks), bool)
         self.bound: list[list[Robot]] = [[] for _ in self.docks]
-        self.jobs = Jobs(self.word_stations, len(self.docks), view.kinds)
+        self.tasks = StationBook(self.word_stations, len(self.docks), view.kinds, self.changed)
         self._word_transfer_s = scenario.word_station.transfer_s
         self._letter_transfer_s = scenario.letter_station.transfer_s
         self.to_words_s = np.min([traffic.times_to(dock) for dock in self.docks[: self.word_stations]], axis=0)
@@ -185,7 +185,7 @@ class Situation:
         return known
 
     def _look_ahead(self, station: int) -> tuple[float, NDArray[np.int64], Ints]:
-        need = self.jobs.need[station]
+        need = self.tasks.need[station]
         kinds = np.flatnonzero(need > 0)
         lack = need[kinds]
         ahead = 0
@@ -209,7 +209,7 @@ class Situation:
 
     def spare(self, station: int) -> Ints:
         """Tiles in buckets bound for a word station that its open words do not need, shape (kinds,)."""
-        left = self.jobs.need[station].copy()
+        left = self.tasks.need[station].copy()
         spare = np.zeros(len(left), np.int32)
         for robot in self.bound[station]:
             there = self.stock.tiles[:, robot.load]
@@ -237,7 +237,7 @@ class Situation:
         for station in range(self.word_stations, len(self.docks)):
             bound = len(self.bound[station])
             few = bound < horizons.letter_least
-            wanted = bound < horizons.most and self.jobs.at[station] and not self.closed[station]
+            wanted = bound < horizons.most and self.tasks.at[station] and not self.closed[station]
             if wanted and (few or self.ahead_s(station) < horizons.letter_s + self.approach_s[station]):
                 short.append(station)
         return short
@@ -250,7 +250,7 @@ class Situation:
 
     def fill(self, station: int) -> Fill:
         """What a letter station wants."""
-        tiles = [tile for job in self.jobs.at[station].values() for tile in job.missing]
+        tiles = [tile for task in self.tasks.at[station].values() for tile in task.missing]
         room = self.stock.capacity - self.stock.total
         kinds = np.array(tiles, np.int64)
         return Fill(

@@ -1,4 +1,4 @@
-"""The fleet manager (the paper's bucketbot manager): has the bots do what the other managers ask for."""
+"""The fleet that plans whole trips by its policy, each with the letters that it promises to move."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import numpy as np
 
 from soup_managers.bitset import members
 from soup_managers.explain import Explain
-from soup_managers.fleets.minimal.letters import Task, common_tiles, goal_tiles
+from soup_managers.fleets.base import Fleet
+from soup_managers.fleets.minimal.letters import LetterTask
 from soup_managers.fleets.minimal.plan_check import check_plan
 from soup_managers.fleets.minimal.state import FleetState
-from soup_managers.manager import Manager
 from soup_managers.plans import Key, PlanError, TripPlan
 from soup_managers.policies.fleet import FleetPolicy
 from soup_managers.router import Router
@@ -17,18 +17,10 @@ from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
-    DELIVER,
-    STORE,
     Bots,
     BotStatus,
-    CancelTask,
     CancelTrip,
-    DeliverGoal,
     Event,
-    StoreGoal,
-    TaskFeedback,
-    TaskResult,
-    TaskState,
     TripGoal,
     TripResult,
 )
@@ -40,17 +32,8 @@ GATHER_S = 1.0  # how long a new fleet manager waits for all bots to say which t
 RESULT_LATE_S = 2.0  # a bot that is idle for so long has forgotten its trip
 
 
-class FleetManager(Manager):
-    """Keeps the tasks of the fleet and the promises of its trips, and has its policy plan trips.
-
-    It owns nothing durable: a new one finds the world in the snapshot, the trips under way in the statuses of
-    the bots, and its tasks in the goals that their managers send again.
-
-    Attributes:
-        wants_places: It does not: where bots stand is in their statuses.
-    """
-
-    wants_places = False
+class TripFleet(Fleet[LetterTask]):
+    """Keeps the promises of the fleet's trips, and has its policy plan them."""
 
     def __init__(
         self,
@@ -62,54 +45,33 @@ class FleetManager(Manager):
         router: Router | None = None,
         explain: Explain | None = None,
     ) -> None:
-        super().__init__(view)
         self._layout = layout
         self._policy = policy
         self._explain = explain or Explain()
         self._fleet = FleetState(scenario, layout, view, router or Router(layout), rng)
-        self._book = self._fleet.book
+        self._letters = self._fleet.book
+        super().__init__(view, self._letters)
         self._trips_asked = 0
         self._status: dict[int, BotStatus] = {}
         self._ended: dict[int, int] = {}  # the last trip of each bot that ended
         self._resting: dict[int, float] = {}  # bots that are not to be asked before a time
         self._doubted: dict[int, float] = {}  # bots idle on a trip, and when the trip counts as forgotten
-        self._early: list[Message] = []  # what came before the first snapshot
         self._started = False
         self._gather_until = NEVER
-        self._handlers |= {
-            DeliverGoal: self._handle_goal,
-            StoreGoal: self._handle_goal,
-            CancelTask: self._handle_cancel,
-            BotStatus: self._handle_status,
-            TripResult: self._handle_trip_result,
-            Bots: self._handle_bots,
-        }
+        self._handlers |= {TripResult: self._handle_trip_result, Bots: self._handle_bots}
 
     @property
     def stalled(self) -> dict[int, str]:
         """Bots that say that they are idle though they are on a trip."""
         return dict.fromkeys(sorted(self._doubted), "does not answer")
 
-    def tasks(self) -> tuple[TaskState, ...]:
-        """The fleet's list of tasks, in the order of their arrival."""
-        bots: dict[Key, list[int]] = {}
+    def bots_of(self) -> dict[Key, tuple[int, ...]]:
+        """The bots on trips for each task."""
+        bots: dict[Key, set[int]] = {}
         for bot, active in self._fleet.trips.items():
-            for key in dict.fromkeys(letter.key for letter in active.letters):
-                bots.setdefault(key, []).append(bot)
-        return tuple(
-            [
-                TaskState(
-                    task.number,
-                    task.kind,
-                    task.station,
-                    task.job,
-                    tuple(task.missing),
-                    tuple(sorted(bots.get(task.key, ()))),
-                    self._reason(task),
-                )
-                for task in self._book.tasks.values()
-            ]
-        )
+            for letter in active.letters:
+                bots.setdefault(letter.key, set()).add(bot)
+        return {key: tuple(sorted(on)) for key, on in bots.items()}
 
     def wake(self, now: float) -> list[Message]:
         """Look again at bots that rested, results that never came and events that are late."""
@@ -119,27 +81,16 @@ class FleetManager(Manager):
         for bot in [bot for bot, until in self._resting.items() if until <= now]:
             del self._resting[bot]
             self._settle(bot)
-        return self._act(now)
+        return self.step(now)
 
-    def on_world(self, now: float) -> list[Message]:
-        """Take over what came before the snapshot; after a gap, correct all tasks by what is there."""
+    def take_over(self, now: float) -> None:
+        """Learn anew which storage spots there are, and where bots stand."""
         self._fleet.router.set_storage_spots(self.view.storage_spots)
         if not self._started:
             self._started = True
             self._gather_until = now + GATHER_S
-        # what bots do comes first: it may be what the goals ask for
-        early = sorted(self._early, key=lambda message: not isinstance(message, BotStatus))
-        self._early = []
-        said = [answer for message in early for answer in self.handle(message, now)]
-        for task in list(self._book.tasks.values()):
-            left = self._lacking(task.kind, task.job, task.station)
-            if left is not None:
-                self._book.set_missing(task, common_tiles(task.missing, left), self.view.sequence)
-            elif task.kind == STORE or task.job not in self.view.waiting_words:
-                self._book.set_missing(task, (), self.view.sequence)
         for bot in sorted(self._status):
             self._settle(bot)
-        return said + self._act(now)
 
     def on_event(self, event: Event, now: float) -> list[Message]:
         """Transfers bring tasks forward, and buckets that are set down can be used again."""
@@ -151,59 +102,30 @@ class FleetManager(Manager):
                 self._settle(event.bot)  # its status came before the event that says where it stands
             self._fleet.bucket_freed(event.bucket)
         elif kind is EventType.WORD_COMPLETED or kind is EventType.BUNDLE_EMPTIED:
-            task = self._book.tasks.get((DELIVER if kind is EventType.WORD_COMPLETED else STORE, event.job))
+            task = self.completed(event)
             if task is None:
                 return []
-            self._book.set_missing(task, (), event.sequence)
+            self._letters.set_missing(task, (), event.sequence)
+        elif kind is EventType.WORD_ASSIGNED:
+            return self.opened(event, now)
         elif kind is EventType.SPOT_MADE or kind is EventType.SPOT_REMOVED:
             self._fleet.router.set_storage_spots(self.view.storage_spots)
         else:
             return []
-        return self._act(now)
+        return self.step(now)
 
     # ---- messages ------------------------------------------------------------------------------------------
 
-    def _handle_goal(self, goal: DeliverGoal | StoreGoal, now: float) -> list[Message]:
-        if not self.view.ready:
-            self._early.append(goal)
-            kind = DELIVER if isinstance(goal, DeliverGoal) else STORE
-            return [TaskFeedback(kind, goal.task, goal_tiles(goal), "the fleet waits for a snapshot of the world")]
-        kind, job = (DELIVER, goal.word) if isinstance(goal, DeliverGoal) else (STORE, goal.bundle)
-        left = self._lacking(kind, job, goal.station)
-        if left is None and not (kind == DELIVER and job in self.view.waiting_words):
-            what = f"word {job} is not open" if kind == DELIVER else f"bundle {job} is not staged"
-            return [
-                TaskResult(kind, goal.task, Code.UNKNOWN, f"{what} on station {goal.station}"),
-                *self._act(now),
-            ]
-        said: list[Message] = []
-        known = self._book.numbered(kind, goal.task)
-        other = self._book.tasks.get((kind, job))
-        if other is not None and other is not known:
-            said.append(TaskResult(kind, other.number, Code.REPLACED, f"task {goal.task} asks for the same"))
-            self._book.remove(other.key)
-        if known is not None:
-            self._book.remove(known.key)
-        missing = list(goal_tiles(goal)) if left is None else common_tiles(goal_tiles(goal), left)
-        self._book.accept(Task(kind, goal.task, goal.station, job, missing, self.view.sequence))
-        return said + self._act(now)
+    def on_cancel(self, task: LetterTask) -> list[Message]:
+        """Trips that are for this task alone are not needed."""
+        return [
+            CancelTrip(bot, active.trip.trip)
+            for bot, active in self._fleet.trips.items()
+            if active.letters and all(letter.key == task.key for letter in active.letters)
+        ]
 
-    def _handle_cancel(self, cancel: CancelTask, now: float) -> list[Message]:
-        task = self._book.numbered(cancel.kind, cancel.task)
-        if task is None:
-            text = f"the fleet has no {cancel.kind} task {cancel.task}"
-            return [TaskResult(cancel.kind, cancel.task, Code.UNKNOWN, text)]
-        self._book.remove(task.key)
-        said: list[Message] = [TaskResult(task.kind, task.number, Code.CANCELLED, "taken back")]
-        for bot, active in self._fleet.trips.items():
-            if active.letters and all(letter.key == task.key for letter in active.letters):
-                said.append(CancelTrip(bot, active.trip.trip))
-        return said + self._act(now)
-
-    def _handle_status(self, status: BotStatus, now: float) -> list[Message]:
-        if not self.view.ready:
-            self._early.append(status)
-            return []
+    def on_status(self, status: BotStatus, now: float) -> list[Message]:
+        """A bot is on a trip, or stands."""
         bot = status.bot
         self._status[bot] = status
         active = self._fleet.trips.get(bot)
@@ -217,14 +139,14 @@ class FleetManager(Manager):
         elif active is not None and status.phase is Phase.IDLE and status.time > active.since:
             self._doubted[bot] = now + RESULT_LATE_S
         self._settle(bot)
-        return self._act(now)
+        return self.step(now)
 
     def _handle_trip_result(self, result: TripResult, now: float) -> list[Message]:
         active = self._fleet.trips.get(result.bot)
         if active is None or active.trip.trip != result.trip:
             return []
         self._end_trip(result.bot, result.code is Code.DONE, now)
-        return self._act(now)
+        return self.step(now)
 
     def _handle_bots(self, bots: Bots, now: float) -> list[Message]:
         if self.view.ready:
@@ -234,14 +156,6 @@ class FleetManager(Manager):
         return []
 
     # ---- what follows --------------------------------------------------------------------------------------
-
-    def _lacking(self, kind: str, job: int, station: int) -> tuple[int, ...] | None:
-        """The tiles that a word or bundle on a station still needs moved; None where there is no such one."""
-        if kind == DELIVER:
-            word = self.view.open_words.get(job)
-            return word.missing if word is not None and word.station == station else None
-        bundle = self.view.staged_bundles.get(job)
-        return (bundle.tile,) * bundle.count if bundle is not None and bundle.station == station else None
 
     def _end_trip(self, bot: int, done: bool, now: float) -> None:
         self._ended[bot] = self._fleet.trips[bot].trip.trip
@@ -259,14 +173,14 @@ class FleetManager(Manager):
         else:
             self._fleet.stand(bot, status.bucket, available=bot not in self._resting)
 
-    def _act(self, now: float) -> list[Message]:
+    def step(self, now: float) -> list[Message]:
         """Start trips, tell managers what changed about their tasks, and set the alarm."""
         said: list[Message] = []
         fleet = self._fleet
         late = fleet.expire(now)
         knows_all = now >= self._gather_until or len(self._status) >= len(self.view.bot_bucket)
         if self.view.ready and not self.view.lost and knows_all:
-            if (fleet.free_bots or fleet.loaded_bots) and self._book.queue:
+            if (fleet.free_bots or fleet.loaded_bots) and self._letters.queue:
                 for plan in self._policy.plan(fleet):
                     self._check(plan)
                     if not self._start(plan, now, said):
@@ -276,8 +190,10 @@ class FleetManager(Manager):
                 self._store(bot, now, said)
             said += fleet.wishes
             fleet.wishes.clear()
-        if self._book.changed:
-            self._tell(said)
+        if self._letters.changed:
+            changed = list(self._letters.changed.values())
+            self._letters.changed.clear()
+            said += self.tell_tasks(changed)
         self.next_wake = late if knows_all else min(late, self._gather_until)
         if self._resting or self._doubted:
             self.next_wake = min([self.next_wake, *self._resting.values(), *self._doubted.values()])
@@ -313,21 +229,9 @@ class FleetManager(Manager):
             self._resting[bot] = now + REST_S
             self._settle(bot)
 
-    def _tell(self, said: list[Message]) -> None:
-        changed = list(self._book.changed.values())
-        self._book.changed.clear()
-        for task in changed:
-            if not task.missing:
-                self._book.remove(task.key)
-                said.append(TaskResult(task.kind, task.number, Code.DONE, "all letters are in place"))
-                continue
-            told = len(task.missing), self._reason(task)
-            if told != task.told:
-                task.told = told
-                said.append(TaskFeedback(task.kind, task.number, tuple(task.missing), told[1]))
-
-    def _reason(self, task: Task) -> str:
-        reason = self._book.reason(task)
+    def reason(self, task: LetterTask) -> str:
+        """Why a task waits; empty where all its letters are on their way."""
+        reason = self._letters.reason(task)
         if reason and len(self._status) < len(self.view.bot_bucket) and not self._fleet.trips:
             return f"only {len(self._status)} of {len(self.view.bot_bucket)} bots have said that they are there"
         return reason

@@ -1,4 +1,4 @@
-"""The fleet's tasks: which letters each still has to have moved, and why they wait."""
+"""The letters of the fleet's tasks: which wait, and which trips have promised to move."""
 
 from __future__ import annotations
 
@@ -6,63 +6,45 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from soup_managers.fleets.minimal.letter_queue import LetterQueue
-from soup_managers.plans import Key, Letter, Place
-from soup_msgs_py.messages import DELIVER, DeliverGoal, StoreGoal
+from soup_managers.fleets.tasks import Key, Task, TaskBook
+from soup_managers.plans import Letter, Place
+from soup_msgs_py.messages import DELIVER
 
 
 @dataclass(slots=True, eq=False)
-class Task:
-    """A task that a word or letter manager asked for.
+class LetterTask(Task):
+    """A task letter by letter; `missing` includes promised ones.
 
     Attributes:
-        kind: DELIVER or STORE.
-        number: As its manager numbered it.
-        station: Where its letters come together.
-        job: The word or bundle.
-        missing: Tiles that are still to be moved, promised ones included.
-        seen: The event up to which `missing` is true.
         waiting: Its letters that no trip has promised to move, by tile kind.
-        told: What its manager was last told: missing tiles and reason.
     """
 
-    kind: str
-    number: int
-    station: int
-    job: int
-    missing: list[int]
-    seen: int
     waiting: dict[int, list[Letter]] = field(default_factory=dict)
-    told: tuple[int, str] | None = None
-
-    @property
-    def key(self) -> Key:
-        """What its letters are for."""
-        return self.kind, self.job
 
 
-class TaskBook:
+class LetterBook(TaskBook[LetterTask]):
     """All tasks, their waiting letters in one queue, and how many letters trips have promised to move.
 
     For each task and tile kind, letters waiting and letters promised together are never more than are
     missing: so no letter is moved twice.
 
     Attributes:
-        tasks: In the order of arrival.
         queue: The waiting letters.
         changed: Tasks whose managers may have to be told something, as an ordered set.
     """
 
     def __init__(self) -> None:
-        self.tasks: dict[Key, Task] = {}
+        """Begin with none."""
+        super().__init__(LetterTask)
         self.queue = LetterQueue()
-        self.changed: dict[Key, Task] = {}
+        self.changed: dict[Key, LetterTask] = {}
         self._promised: dict[Key, dict[int, int]] = {}
         self._arrivals = 0
 
-    def accept(self, task: Task) -> None:
+    def accept(self, task: LetterTask) -> None:
         """Take a task on. Letters that trips have promised already are not asked for again."""
+        super().accept(task)
         self._arrivals += 1
-        self.tasks[task.key] = task
         self.changed[task.key] = task
         promised = dict(self._promised.get(task.key, {}))
         for number, tile in enumerate(task.missing):
@@ -71,21 +53,13 @@ class TaskBook:
             else:
                 self._wait(task, Letter((self._arrivals, number), task.key, task.station, tile))
 
-    def remove(self, key: Key) -> None:
+    def remove(self, task: LetterTask) -> None:
         """Forget a task; what trips have promised stays in the books until they end."""
-        task = self.tasks.pop(key)
-        self.changed.pop(key, None)
+        super().remove(task)
+        self.changed.pop(task.key, None)
         for letters in task.waiting.values():
             for letter in letters:
                 self._drop(letter)
-
-    def numbered(self, kind: str, number: int) -> Task | None:
-        """The task of a manager."""
-        # its managers give a task the number of its job, but anyone may ask the fleet
-        task = self.tasks.get((kind, number))
-        if task is not None and task.number == number:
-            return task
-        return next((task for task in self.tasks.values() if task.kind == kind and task.number == number), None)
 
     def promise(self, letter: Letter) -> None:
         """A trip is to move a letter."""
@@ -126,15 +100,14 @@ class TaskBook:
             # the task was counted when this move was known already, but still promised: another letter is lacking
             self._wait(task, Letter(promised.order, key, task.station, tile))
 
-    def set_missing(self, task: Task, missing: Iterable[int], sequence: int) -> None:
+    def set_missing(self, task: LetterTask, missing: Iterable[int], seen: int) -> None:
         """Take over from the world what a task lacks, where the transfers do not tell."""
-        self.remove(task.key)
-        task.missing = list(missing)
-        task.seen = sequence
+        self.remove(task)
+        super().set_missing(task, missing, seen)
         task.waiting = {}
         self.accept(task)
 
-    def reason(self, task: Task) -> str:
+    def reason(self, task: LetterTask) -> str:
         """Why a task waits; empty where all its letters are on their way."""
         reason = ""
         for letters in task.waiting.values():
@@ -144,10 +117,10 @@ class TaskBook:
                 reason = "all bots are busy"
         return reason
 
-    def _accounted(self, task: Task, tile: int) -> int:
+    def _accounted(self, task: LetterTask, tile: int) -> int:
         return len(task.waiting.get(tile, ())) + self._promised.get(task.key, {}).get(tile, 0)
 
-    def _wait(self, task: Task, letter: Letter) -> None:
+    def _wait(self, task: LetterTask, letter: Letter) -> None:
         task.waiting.setdefault(letter.tile, []).append(letter)
         self.queue.add(letter)
 
@@ -167,19 +140,3 @@ class TaskBook:
             del promised[letter.tile]
             if not promised:
                 del self._promised[letter.key]
-
-
-def goal_tiles(goal: DeliverGoal | StoreGoal) -> tuple[int, ...]:
-    """The tiles that a goal asks to have moved."""
-    return goal.tiles if isinstance(goal, DeliverGoal) else (goal.tile,) * goal.count
-
-
-def common_tiles(asked: Iterable[int], left: Iterable[int]) -> list[int]:
-    """The tiles that were asked for and are still missing, each as often as in both."""
-    rest = list(left)
-    common = []
-    for tile in asked:
-        if tile in rest:
-            rest.remove(tile)
-            common.append(tile)
-    return common

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from soup_managers.fleets.minimal.letter_queue import Awaited, LetterQueue
-from soup_managers.fleets.minimal.letters import TaskBook
+from soup_managers.fleets.minimal.letters import LetterBook
 from soup_managers.plans import Key, Letter, TripPlan
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
@@ -66,7 +66,7 @@ class FleetState:
         self.layout = layout
         self.router = router
         self.rng = rng
-        self.book = TaskBook()
+        self.book = LetterBook()
         self.trips: dict[int, ActiveTrip] = {}
         self.free_bots = 0
         self.loaded_bots = 0

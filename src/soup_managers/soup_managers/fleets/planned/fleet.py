@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 
-from soup_managers.fleets.minimal.letters import goal_tiles
-from soup_managers.manager import Manager
+from soup_managers.fleets.base import Fleet
+from soup_managers.fleets.tasks import Key, Task, TaskBook
 from soup_managers.planners.precedence import Action, actions_of
 from soup_managers.policies.planned import Planned
 from soup_managers.traffic.runs import run_time
@@ -15,20 +15,12 @@ from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.floor_plan import CellsLayout
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
-    DELIVER,
-    STORE,
     Bots,
     BotStatus,
-    CancelTask,
-    DeliverGoal,
     DriveGoal,
     DriveResult,
     Event,
     Point,
-    StoreGoal,
-    TaskFeedback,
-    TaskResult,
-    TaskState,
     Trip,
     TripGoal,
     TripResult,
@@ -39,7 +31,6 @@ from soup_msgs_py.scenario import Scenario
 RETRY_S = 1.0  # before a bot that could not do something is asked again
 RESULT_LATE_S = 2.0  # an idle bot has forgotten what it was asked for, if no result comes within that time
 NEAR_M = 0.2  # of a cell: a bot is there
-_WHY = "this fleet carries out a plan, and serves no stations"
 
 
 @dataclass
@@ -51,14 +42,11 @@ class _Order:
     since: float
 
 
-class PlannedFleet(Manager):
+class PlannedFleet(Fleet[Task]):
     """Carries out the plan of a `Planned` policy in a world of cells.
 
-    It owns nothing durable. A new one makes the same plan, waits until all bots stand, and finds out by where they
-    are, and where the buckets are, how far each has come.
-
-    Attributes:
-        stalled: Bots that could not do what the plan says, and why.
+    A new one makes the same plan, waits until all bots stand, and finds out by where they are, and where the buckets
+    are, how far each has come.
     """
 
     def __init__(self, scenario: Scenario, layout: Layout, policy: Planned, view: WarehouseView) -> None:
@@ -68,9 +56,9 @@ class PlannedFleet(Manager):
             InputError: There is no plan.
             RunError: No plan was found.
         """
-        super().__init__(view)
+        super().__init__(view, TaskBook(Task))
         assert isinstance(scenario.layout, CellsLayout), "looked at by `check_fleet`"
-        self.stalled: dict[int, str] = {}
+        self._stalled: dict[int, str] = {}
         self._layout = layout
         self._world = scenario.layout.world
         self._actions = actions_of(self._world, policy.plan(self._world))
@@ -86,14 +74,15 @@ class PlannedFleet(Manager):
         self._lost: dict[int, int] = {}  # bots that did not do all they were asked for, and the end of that
         self._at_work = False  # whether it is known how far the bots have come
         self._handlers |= {
-            BotStatus: self._handle_status,
             DriveResult: self._handle_result,
             TripResult: self._handle_result,
             Bots: self._handle_bots,
-            DeliverGoal: self._handle_goal,
-            StoreGoal: self._handle_goal,
-            CancelTask: self._handle_cancel,
         }
+
+    @property
+    def stalled(self) -> dict[int, str]:
+        """Bots that could not do what the plan says, and why."""
+        return self._stalled
 
     @property
     def reacts_to(self) -> frozenset[EventType]:
@@ -114,9 +103,13 @@ class PlannedFleet(Manager):
             done == len(actions) for done, actions in zip(self._done, self._actions, strict=True)
         )
 
-    def tasks(self) -> tuple[TaskState, ...]:
-        """None: it serves no stations."""
-        return ()
+    def reason(self, task: Task) -> str:
+        """Nobody works for it."""
+        return "this fleet carries out a plan, and serves no stations"
+
+    def bots_of(self) -> dict[Key, tuple[int, ...]]:
+        """None."""
+        return {}
 
     def wake(self, now: float) -> list[Message]:
         """Ask bots again."""
@@ -125,14 +118,13 @@ class PlannedFleet(Manager):
         for bot in [bot for bot, until in self._doubted.items() if until <= now]:
             del self._doubted[bot]
             self._lose(bot, "forgot what it was asked for", now)
-        return self._act(now)
+        return self.step(now)
 
-    def on_world(self, now: float) -> list[Message]:
+    def take_over(self, now: float) -> None:
         """Find out anew how far the bots have come."""
         self._at_work = False
         for books in (self._orders, self._rests, self._doubted, self._lost):
             books.clear()
-        return []
 
     def on_event(self, event: Event, now: float) -> list[Message]:
         """Nothing; see `reacts_to`."""
@@ -140,7 +132,8 @@ class PlannedFleet(Manager):
 
     # ---- messages ------------------------------------------------------------------------------------------
 
-    def _handle_status(self, status: BotStatus, now: float) -> list[Message]:
+    def on_status(self, status: BotStatus, now: float) -> list[Message]:
+        """A bot stands, or is at work."""
         bot = status.bot
         self._status[bot] = status
         order = self._orders.get(bot)
@@ -148,7 +141,7 @@ class PlannedFleet(Manager):
             self._doubted.setdefault(bot, now + RESULT_LATE_S)
         else:
             self._doubted.pop(bot, None)
-        return self._act(now)
+        return self.step(now)
 
     def _handle_result(self, result: DriveResult | TripResult, now: float) -> list[Message]:
         number = result.drive if isinstance(result, DriveResult) else result.trip
@@ -159,16 +152,16 @@ class PlannedFleet(Manager):
             del self._orders[bot]
             self._doubted.pop(bot, None)
             self._done[bot] = order.end
-            self.stalled.pop(bot, None)
+            self._stalled.pop(bot, None)
         else:
             self._lose(bot, result.message, now)
-        return self._act(now)
+        return self.step(now)
 
     def _lose(self, bot: int, why: str, now: float) -> None:
         """A bot has not done what it was asked for, or not all of it."""
         self._lost[bot] = self._orders.pop(bot).end
         self._rests[bot] = now + RETRY_S
-        self.stalled[bot] = why
+        self._stalled[bot] = why
 
     def _handle_bots(self, bots: Bots, now: float) -> list[Message]:
         if not self.wants_places:
@@ -181,14 +174,7 @@ class PlannedFleet(Manager):
             self._at_work = True
         for bot in [bot for bot in self._lost if self._stands(bot) and bots.time >= self._status[bot].time]:
             self._done[bot] = self._along(bot, self._done[bot], self._lost.pop(bot))
-        return self._act(now)
-
-    def _handle_goal(self, goal: DeliverGoal | StoreGoal, now: float) -> list[Message]:
-        kind = DELIVER if isinstance(goal, DeliverGoal) else STORE
-        return [TaskFeedback(kind, goal.task, goal_tiles(goal), _WHY)]
-
-    def _handle_cancel(self, cancel: CancelTask, now: float) -> list[Message]:
-        return [TaskResult(cancel.kind, cancel.task, Code.CANCELLED, "taken back")]
+        return self.step(now)
 
     # ---- what follows --------------------------------------------------------------------------------------
 
@@ -242,9 +228,9 @@ class PlannedFleet(Manager):
     def _may_begin(self, action: Action) -> bool:
         return action.after is None or self._done[action.after[0]] > action.after[1]
 
-    def _act(self, now: float) -> list[Message]:
+    def step(self, now: float) -> list[Message]:
         """Ask all bots that stand for what they can do next."""
-        said: list[Message] = []
+        said = self.tell_tasks(list(self.book.tasks.values()))
         if self._at_work and not self.view.lost:
             for bot, actions in enumerate(self._actions):
                 if not self._is_free(bot):
