@@ -152,7 +152,7 @@ def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monke
         with monkeypatch.context() as patch:
             patch.setattr(fleet._traffic, "conflicts", lambda bot, _now, deaf=deaf: deaf if bot not in deaf else [])
             fleet._whereabouts._stop_others(fleet.situation.robots[(k + 1) % 4], now)
-        run._say(fleet, fleet._act(now))
+        run._say(fleet, fleet.step(now))
         assert fleet._whereabouts.halted.issuperset(deaf)
         run.run(now + 30.0)
         halted = [fleet.situation.robots[bot] for bot in fleet._whereabouts.halted]
