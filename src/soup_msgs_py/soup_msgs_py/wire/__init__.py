@@ -7,36 +7,24 @@ not trusted: numbers that are none, lengths that do not fit, unknown words, absu
 
 from __future__ import annotations
 
-from soup_msgs_py.wire import pace as _pace  # noqa: F401  (registers its messages)
-from soup_msgs_py.wire import state as _state  # noqa: F401  (the same)
 from soup_msgs_py.wire.announcement import Announcement, from_statistics, to_statistics
-from soup_msgs_py.wire.basics import (
-    MalformedMessage,
-    fill_result,
-    from_cdr,
-    from_ros,
-    from_stamp,
-    read_cdr,
-    read_result,
-    to_ros,
-    to_ros_of,
-    to_stamp,
-)
+from soup_msgs_py.wire.basics import MalformedMessage, fill_result, from_stamp, read_cdr, read_result, to_stamp
+from soup_msgs_py.wire.codec import from_cdr, from_ros, to_ros, to_ros_of
 from soup_msgs_py.wire.requests import (
-    assign_bundle_response,
-    assign_word_response,
     from_bot_request,
     from_path,
     from_twist,
-    grab_by_hand,
-    storage_spot_response,
     to_path,
     to_twist,
     transfer_by_hand,
 )
-from soup_msgs_py.wire.tasks import (
+from soup_msgs_py.wire.rows import (
     MOST_ORDERS,
+    assign_bundle_response,
+    assign_word_response,
     drive_goal,
+    grab_by_hand,
+    storage_spot_response,
     task_feedback,
     to_order,
     to_outcome,

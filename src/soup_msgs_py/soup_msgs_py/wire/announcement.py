@@ -11,16 +11,8 @@ from soup_msgs import msg
 
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario, scenario_from_json
-from soup_msgs_py.wire.basics import (
-    MalformedMessage,
-    check_finite,
-    from_ros,
-    from_stamp,
-    header_at,
-    pack,
-    to_ros,
-    unpack,
-)
+from soup_msgs_py.wire.basics import MalformedMessage, header_at, pack, unpack
+from soup_msgs_py.wire.codec import Way, row
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,72 +32,42 @@ class Announcement:
     warmup_s: float = 0.0
 
 
-@to_ros.register
-def _(layout: Layout) -> msg.Layout:
-    message = msg.Layout(width=float(layout.width_m), height=float(layout.height_m))
-    message.waypoint_x, message.waypoint_y = (
-        pack("d", layout.waypoints[:, 0]),
-        pack("d", layout.waypoints[:, 1]),
-    )
-    message.edge_from, message.edge_to = pack("i", layout.edges[:, 0]), pack("i", layout.edges[:, 1])
-    message.edge_weight = pack("d", layout.edge_weights)
-    message.storage_spots = pack("i", layout.storage_spots)
-    message.word_stations = pack("i", layout.word_stations)
-    message.letter_stations = pack("i", layout.letter_stations)
-    return message
+def _columns(typecode: str, dtype: type, *names: str) -> Way:
+    """An array of shape (n, 2), as two lists."""
+
+    def back(first: Any, second: Any) -> Any:
+        column = unpack(first, dtype)
+        return np.column_stack([column, unpack(second, dtype, len(column))])
+
+    return Way(*names, out=lambda rows: (pack(typecode, rows[:, 0]), pack(typecode, rows[:, 1])), back=back)
 
 
-@from_ros.register
-def _(layout: msg.Layout) -> Layout:
-    x = unpack(layout.waypoint_x, np.float64)
-    start = unpack(layout.edge_from, np.int32)
-    edges = np.column_stack([start, unpack(layout.edge_to, np.int32, len(start))])
-    places = [
-        unpack(numbers, np.int32) for numbers in (layout.storage_spots, layout.word_stations, layout.letter_stations)
-    ]
-    check_finite(layout.width, layout.height)
-    for numbers in (edges.ravel(), *places):
-        if len(numbers) and not (numbers.min() >= 0 and numbers.max() < len(x)):
-            raise MalformedMessage(f"a waypoint that is not among the {len(x)} of the floor")
-    return Layout(
-        layout.width,
-        layout.height,
-        np.column_stack([x, unpack(layout.waypoint_y, np.float64, len(x))]),
-        edges,
-        unpack(layout.edge_weight, np.float64, len(start)),
-        *places,
-    )
+def _check_layout(layout: Layout) -> None:
+    if len(layout.edge_weights) != len(layout.edges):
+        raise MalformedMessage(f"{len(layout.edges)} edges and {len(layout.edge_weights)} weights")
+    waypoints = np.concatenate([layout.edges.ravel(), layout.storage_spots, layout.stations])
+    if not np.isin(waypoints, np.arange(len(layout.waypoints))).all():
+        raise MalformedMessage(f"a waypoint that is not among the {len(layout.waypoints)} of the floor")
 
 
-@to_ros.register
-def _(announcement: Announcement) -> msg.Scenario:
-    return msg.Scenario(
-        header=header_at(announcement.time),
-        run=announcement.run,
-        json=announcement.scenario.model_dump_json(),
-        layout=to_ros(announcement.layout),
-        tile_profile=announcement.tile_profile,
-        seed=announcement.seed,
-        warmup=announcement.warmup_s,
-    )
-
-
-@from_ros.register
-def _(announcement: msg.Scenario) -> Announcement:
-    check_finite(announcement.warmup)
+def _to_scenario(json: str) -> Scenario:
     try:
-        scenario = scenario_from_json(announcement.json)
+        return scenario_from_json(json)
     except ValidationError as error:
         raise MalformedMessage("a scenario of another version") from error
-    return Announcement(
-        from_stamp(announcement.header.stamp),
-        scenario,
-        from_ros(announcement.layout),
-        tuple(unpack(announcement.tile_profile, np.float64).tolist()),
-        announcement.run,
-        announcement.seed,
-        announcement.warmup,
-    )
+
+
+_WAYPOINTS = Way(back=lambda waypoints: unpack(waypoints, np.int32))
+row(
+    Layout, msg.Layout, check=_check_layout,
+    ways={
+        "waypoints": _columns("d", np.float64, "waypoint_x", "waypoint_y"),
+        "edges": _columns("i", np.int32, "edge_from", "edge_to"),
+        "edge_weights": Way("edge_weight", back=lambda weights: unpack(weights, np.float64)),
+        "storage_spots": _WAYPOINTS, "word_stations": _WAYPOINTS, "letter_stations": _WAYPOINTS,
+    },
+)  # fmt: skip
+row(Announcement, msg.Scenario, ways={"scenario": Way("json", out=Scenario.model_dump_json, back=_to_scenario)})
 
 
 def to_statistics(time: float, figures: dict[str, Any]) -> msg.Statistics:

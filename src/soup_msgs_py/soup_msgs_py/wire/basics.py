@@ -1,4 +1,4 @@
-"""What all conversions share: stamps, lists, outcomes, the two functions that message types register with."""
+"""What all conversions share: stamps, numbers, lists, outcomes, and what is refused of them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from array import array
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
-from functools import singledispatch
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,7 +17,7 @@ from std_msgs.msg import Header
 
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
-from soup_msgs_py.messages import Point, TileMove
+from soup_msgs_py.messages import Point
 
 MOST = 100_000  # elements in any one list
 MOST_BYTES = 1 << 20  # of a message, unless it may hold the whole floor
@@ -26,7 +25,6 @@ MOST_BYTES_OF_A_FLOOR = 1 << 26
 OF_A_FLOOR = (msg.Scenario, msg.Snapshot, msg.WorldState, msg.Bots, msg.Buckets, msg.Stations)
 MOST_S = 2.0**31 - 1.0  # no stamp holds a later time
 MOST_M = 1e9  # no floor is that wide
-TYPECODES = {"d": np.float64, "f": np.float32, "i": np.int32, "q": np.int64, "H": np.uint16, "B": np.uint8}
 Member = TypeVar("Member", bound=StrEnum)
 Result = TypeVar("Result")
 
@@ -54,7 +52,7 @@ def header_at(seconds: float) -> Header:
 def pack(typecode: str, values: Any) -> array:
     """Numbers as the array that a ROS message holds, without a Python object a number."""
     packed = array(typecode)
-    packed.frombytes(np.ascontiguousarray(values, dtype=TYPECODES[typecode]).tobytes())
+    packed.frombytes(np.ascontiguousarray(values, dtype=typecode).tobytes())
     return packed
 
 
@@ -69,17 +67,26 @@ def unpack(values: Any, dtype: type, size: int | None = None) -> Any:
     return unpacked
 
 
-def check_finite(*numbers: float) -> None:
-    """Refuse what is no number."""
-    if not all(map(math.isfinite, numbers)):
+def finite(number: float) -> float:
+    """The number, if it is one."""
+    if not math.isfinite(number):
         raise MalformedMessage("a number that is not finite")
+    return number
 
 
-def check_times(*seconds: float) -> None:
-    """Refuse times that no stamp can hold."""
-    for time in seconds:
+def bounded(seconds: float) -> float:
+    """The time, if a stamp can hold it."""
+    if not abs(seconds) <= MOST_S:
+        raise MalformedMessage(f"a time of {seconds:g} s; allowed: at most {MOST_S:.0f} s")
+    return seconds
+
+
+def to_times(seconds: Sequence[float]) -> tuple[float, ...]:
+    """Times of a ROS message, if stamps can hold them."""
+    for time in not_absurd(seconds):
         if not abs(time) <= MOST_S:
-            raise MalformedMessage(f"a time of {time:g} s; allowed: at most {MOST_S:.0f} s")
+            bounded(time)
+    return tuple(seconds)
 
 
 def check_frame(frame: str) -> None:
@@ -121,27 +128,12 @@ def from_points(points: Sequence[RosPoint]) -> tuple[Point, ...]:
     return tuple((point.x, point.y) for point in points)
 
 
-@singledispatch
-def to_ros(message: Any) -> Any:
-    """The ROS message for a dataclass."""
-    raise TypeError(f"no ROS message for {type(message).__name__}")
-
-
-def to_ros_of(run: int, message: Any) -> Any:
-    """The same, for messages that say which run of the world they belong to."""
-    converted = to_ros(message)
-    converted.run = run
-    return converted
-
-
-@singledispatch
-def from_ros(message: Any) -> Any:
-    """The dataclass for a ROS message.
-
-    Raises:
-        MalformedMessage: The message makes no sense.
-    """
-    raise TypeError(f"no dataclass for {type(message).__name__}")
+def of_run(run: int, message: Any, part: str | None = None) -> Any:
+    """The ROS message, told which run of the world it belongs to, and which process."""
+    message.run = run
+    if part is not None:
+        message.part = part
+    return message
 
 
 def read_cdr(cdr: bytes, kind: type) -> Any:
@@ -159,21 +151,6 @@ def read_cdr(cdr: bytes, kind: type) -> Any:
         return deserialize_message(cdr, kind)
     except (RuntimeError, UnicodeDecodeError) as error:  # the RMW's own error is a RuntimeError
         raise MalformedMessage(f"{len(cdr)} bytes that are no {kind.__name__}") from error
-
-
-def from_cdr(cdr: bytes, kind: type) -> Any:
-    """The dataclass for a serialized ROS message of a class; as `from_ros`."""
-    return from_ros(read_cdr(cdr, kind))
-
-
-def to_moves(moves: Iterable[TileMove]) -> list[msg.TileMove]:
-    """Moves of letter tiles for a ROS message."""
-    return [msg.TileMove(tile=int(move.tile), job=int(move.job)) for move in moves]
-
-
-def from_moves(moves: Sequence[msg.TileMove]) -> tuple[TileMove, ...]:
-    """Moves of letter tiles from a ROS message."""
-    return tuple(TileMove(move.tile, move.job) for move in not_absurd(moves))
 
 
 def fill_result(result: Result, code: Code, message: str) -> Result:

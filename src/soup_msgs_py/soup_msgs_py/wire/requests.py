@@ -1,4 +1,4 @@
-"""What bots, managers and persons ask of the world and of a bot, and how it is answered."""
+"""What a bot and a person ask in messages that are not ours, or not in our words."""
 
 from __future__ import annotations
 
@@ -9,39 +9,19 @@ from soup_msgs import msg, srv
 from std_msgs.msg import Header
 
 from soup_msgs_py import topics
-from soup_msgs_py.codes import Code
-from soup_msgs_py.messages import (
-    AssignBundle,
-    AssignWord,
-    BotReply,
-    FollowPath,
-    Grab,
-    Release,
-    Reply,
-    SetStorageSpot,
-    SetVelocity,
-    TileMove,
-    Transfer,
-)
+from soup_msgs_py.messages import FollowPath, Grab, Release, SetVelocity, TileMove, Transfer
 from soup_msgs_py.tiles import parse_tile
 from soup_msgs_py.wire.basics import (
     MalformedMessage,
-    check_finite,
     check_frame,
-    fill_result,
-    from_moves,
+    finite,
     from_points,
-    from_ros,
     from_stamp,
     header_at,
-    member,
     not_absurd,
-    read_result,
-    to_moves,
     to_points,
-    to_ros,
-    to_stamp,
 )
+from soup_msgs_py.wire.codec import from_ros
 
 
 def to_twist(velocity: SetVelocity) -> Twist:
@@ -54,9 +34,7 @@ def to_twist(velocity: SetVelocity) -> Twist:
 
 def from_twist(twist: Twist, bot: int) -> SetVelocity:
     """The target velocity that was published on a bot's topic."""
-    vx, vy, turn = twist.linear.x, twist.linear.y, twist.angular.z
-    check_finite(vx, vy, turn)
-    return SetVelocity(bot, vx, vy, turn)
+    return SetVelocity(bot, finite(twist.linear.x), finite(twist.linear.y), finite(twist.angular.z))
 
 
 def to_path(path: FollowPath) -> Path:
@@ -83,128 +61,11 @@ def from_path(path: Path, bot: int) -> FollowPath:
     return FollowPath(bot, request, points, stamps if any(stamps) else ())
 
 
-@to_ros.register
-def _(request: Grab) -> msg.BotRequest:
-    return msg.BotRequest(bot=request.bot, request=request.request, verb=topics.GRAB, bucket=request.bucket, station=-1)
-
-
-@to_ros.register
-def _(request: Release) -> msg.BotRequest:
-    return msg.BotRequest(bot=request.bot, request=request.request, verb=topics.RELEASE, bucket=-1, station=-1)
-
-
-@to_ros.register
-def _(request: Transfer) -> msg.BotRequest:
-    message = msg.BotRequest(
-        bot=request.bot, request=request.request, verb=topics.TRANSFER, bucket=-1, station=request.station
-    )
-    message.moves = to_moves(request.moves)
-    return message
-
-
-@from_ros.register
-def _(request: msg.BotRequest) -> Grab | Release | Transfer:
-    match request.verb:
-        case topics.GRAB:
-            return Grab(request.bot, request.request, request.bucket)
-        case topics.RELEASE:
-            return Release(request.bot, request.request)
-        case topics.TRANSFER:
-            return Transfer(request.bot, request.request, request.station, from_moves(request.moves))
-    raise MalformedMessage(f"{request.verb[:40]!r} is no verb")
-
-
 def from_bot_request(request: msg.BotRequest, bots: int) -> Grab | Release | Transfer:
     """What a bot asks of a world that has so many bots."""
     if not 0 <= request.bot < bots:
         raise MalformedMessage(f"bot {request.bot}, there are {bots}")
     return from_ros(request)
-
-
-@to_ros.register
-def _(reply: BotReply) -> msg.BotReply:
-    return msg.BotReply(
-        stamp=to_stamp(reply.time),
-        bot=reply.bot,
-        request=reply.request,
-        success=reply.success,
-        code=reply.code.value,
-        message=reply.message,
-        x=float(reply.x),
-        y=float(reply.y),
-    )
-
-
-@from_ros.register
-def _(reply: msg.BotReply) -> BotReply:
-    check_finite(reply.x, reply.y)
-    code = member(Code, reply.code)
-    return BotReply(reply.bot, reply.request, code, reply.message, from_stamp(reply.stamp), reply.x, reply.y)
-
-
-@to_ros.register
-def _(request: AssignWord) -> srv.AssignWord.Request:
-    return srv.AssignWord.Request(word=request.word, station=request.station)
-
-
-@from_ros.register
-def _(request: srv.AssignWord.Request) -> AssignWord:
-    return AssignWord(request.word, request.station)
-
-
-@to_ros.register
-def _(request: AssignBundle) -> srv.AssignBundle.Request:
-    return srv.AssignBundle.Request(station=request.station, bundle=request.bundle, tile=request.tile)
-
-
-@from_ros.register
-def _(request: srv.AssignBundle.Request) -> AssignBundle:
-    return AssignBundle(request.station, request.bundle, request.tile)
-
-
-@to_ros.register
-def _(request: SetStorageSpot) -> srv.SetStorageSpot.Request:
-    return srv.SetStorageSpot.Request(waypoint=request.waypoint, storage=request.storage)
-
-
-@from_ros.register
-def _(request: srv.SetStorageSpot.Request) -> SetStorageSpot:
-    return SetStorageSpot(request.waypoint, request.storage)
-
-
-def assign_word_response(reply: Reply) -> srv.AssignWord.Response:
-    """The world's answer to the word manager."""
-    return fill_result(srv.AssignWord.Response(), reply.code, reply.message)
-
-
-def assign_bundle_response(reply: Reply) -> srv.AssignBundle.Response:
-    """The world's answer to the letter manager."""
-    return fill_result(srv.AssignBundle.Response(bundle=reply.number), reply.code, reply.message)
-
-
-def storage_spot_response(reply: Reply) -> srv.SetStorageSpot.Response:
-    """The world's answer to who changes its storage spots."""
-    return fill_result(srv.SetStorageSpot.Response(), reply.code, reply.message)
-
-
-@from_ros.register
-def _(response: srv.AssignWord.Response) -> Reply:
-    return Reply(*read_result(response))
-
-
-@from_ros.register
-def _(response: srv.SetStorageSpot.Response) -> Reply:
-    return Reply(*read_result(response))
-
-
-@from_ros.register
-def _(response: srv.AssignBundle.Response) -> Reply:
-    return Reply(*read_result(response), response.bundle)
-
-
-def grab_by_hand(request: srv.Grab.Request, bot: int, token: int) -> Grab:
-    """A person's call of a bot's grab service."""
-    return Grab(bot, token, request.bucket)
 
 
 def transfer_by_hand(request: srv.Transfer.Request, bot: int, token: int) -> Transfer:
