@@ -151,11 +151,11 @@ def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monke
         deaf = [robot.number for robot in on_its_way if robot.number not in run.crew.minds]
         with monkeypatch.context() as patch:
             patch.setattr(fleet._traffic, "conflicts", lambda bot, _now, deaf=deaf: deaf if bot not in deaf else [])
-            fleet._whereabouts._stop_others(fleet.situation.robots[(k + 1) % 4], now)
+            fleet._recovery._stop_others(fleet.situation.robots[(k + 1) % 4], now)
         run._say(fleet, fleet.step(now))
-        assert fleet._whereabouts.halted.issuperset(deaf)
+        assert fleet._recovery.halted.issuperset(deaf)
         run.run(now + 30.0)
-        halted = [fleet.situation.robots[bot] for bot in fleet._whereabouts.halted]
+        halted = [fleet.situation.robots[bot] for bot in fleet._recovery.halted]
         assert not any(robot.activity is Activity.DRIVES for robot in halted)
         run.revive(range(k % 4, 40, 4))
     run.run(700.0)

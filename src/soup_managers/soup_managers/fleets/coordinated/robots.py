@@ -1,4 +1,4 @@
-"""What the fleet knows of each bot: where it stands or goes to, and what for."""
+"""What the fleet knows of each bot: where it stands or goes to, and what for. The record alone changes itself."""
 
 from __future__ import annotations
 
@@ -71,3 +71,108 @@ class Robot:
     def load(self) -> int:
         """The bucket that it carries, or is to fetch."""
         return self.bucket if self.bucket >= 0 else self.target
+
+    # ---- what it is for --------------------------------------------------------------------------------------
+
+    def is_for(self, purpose: Purpose, target: int = -1) -> None:
+        """It has something to do; `target` is the bucket that it is to fetch."""
+        self.purpose, self.target = purpose, target
+
+    def has_nothing_to_do(self) -> None:
+        """It is for nothing now."""
+        self.purpose, self.target = Purpose.NONE, -1
+
+    def takes_place(self, station: int, slot: int) -> None:
+        """It is bound for a station, -1 for none, and has a place in its line, -1 for none."""
+        self.station, self.slot = station, slot
+
+    # ---- legs and operations ---------------------------------------------------------------------------------
+
+    def sent(self, goal: int, arrives: float) -> None:
+        """It is on its way to a waypoint."""
+        self.activity, self.waypoint, self.arrives = Activity.DRIVES, goal, arrives
+        self.note, self.blocked_since = "", NEVER
+
+    def asked(self, order: int, now: float) -> None:
+        """It was asked for a drive or a trip."""
+        self.order, self.asked_at = order, now
+
+    def arrived(self) -> None:
+        """It stands where it was to go."""
+        self.activity = Activity.STANDS
+
+    def works(self) -> None:
+        """It lifts, sets down or serves."""
+        self.activity = Activity.WORKS
+
+    def lifted(self) -> None:
+        """It has the bucket that it was to fetch."""
+        self.bucket, self.target = self.target, -1
+        self.purpose = Purpose.SERVE if self.station >= 0 else Purpose.NONE
+
+    def set_down(self) -> int:
+        """It has set its bucket down; which."""
+        bucket, self.bucket = self.bucket, -1
+        self.purpose = Purpose.NONE
+        return bucket
+
+    # ---- waiting ---------------------------------------------------------------------------------------------
+
+    def waits(self, why: str, retry_at: float) -> None:
+        """What it is to do is not possible now; it is tried again."""
+        self.note, self.retry_at = why, retry_at
+
+    def may_retry(self, now: float) -> None:
+        """What was not possible may be tried at once."""
+        self.retry_at = min(self.retry_at, now)
+
+    def blocked(self, now: float) -> float:
+        """It cannot get on with its station; for how long already (s)."""
+        self.blocked_since = min(self.blocked_since, now)
+        return now - self.blocked_since
+
+    def unblocked(self) -> None:
+        """It gets on."""
+        self.blocked_since = NEVER
+
+    # ---- what goes wrong, and what an earlier fleet has begun ------------------------------------------------
+
+    def is_lost(self, now: float) -> None:
+        """It is left alone until it says that it is idle, and is seen where it stands."""
+        self.activity, self.failed_at = Activity.AWAY, now
+
+    def not_seen_before(self, time: float) -> None:
+        """Where it was seen until a time (s), it may not be any more."""
+        self.failed_at = max(self.failed_at, time)
+
+    def failed(self, why: str, retry_at: float) -> None:
+        """What it was asked for went wrong."""
+        self.has_nothing_to_do()
+        self.waits(why, retry_at)
+
+    def stops_here(self, now: float) -> None:
+        """Its drive is over before its end."""
+        self.arrives = now
+
+    def found(self, bucket: int, waypoint: int) -> None:
+        """It is seen where it stands, with a bucket or, -1, without."""
+        self.bucket, self.waypoint, self.adopted = bucket, waypoint, False
+        self.has_nothing_to_do()
+
+    def adopted_on(self, goal: int, bucket: int, arrives: float) -> None:
+        """It is on a drive that an earlier fleet asked it for."""
+        self.activity, self.waypoint, self.bucket, self.arrives = Activity.DRIVES, goal, bucket, arrives
+        self.drives_for_nobody()
+
+    def drives_for_nobody(self) -> None:
+        """The drive that it is on is no order of this fleet, which does not hear how it ends."""
+        self.adopted, self.order, self.asked_at = True, -1, NEVER
+
+    def ended_adopted(self, bucket: int) -> None:
+        """The drive of an earlier fleet has ended."""
+        self.adopted, self.bucket = False, bucket
+
+    def lifts(self, bucket: int) -> None:
+        """It is found lifting a bucket."""
+        self.bucket = -1
+        self.is_for(Purpose.FETCH, bucket)

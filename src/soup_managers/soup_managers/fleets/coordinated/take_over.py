@@ -1,4 +1,4 @@
-"""What bots do for an earlier fleet when a new one begins: it goes on with that instead of waiting for the end."""
+"""Take-over: what bots do for an earlier fleet when a new one begins, which goes on with that."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When a fleet that has just begun may send bots about: what an earlier one asked for is still being done."""
+"""The start-up barrier: how long a fleet that has just begun waits for what others asked for to be done."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ LONGEST_S = 60.0  # simulated: then it begins, whoever still drives
 TASKS_S = 10.0  # simulated: tasks that there are have come by then
 
 
-class Settling:
+class StartupBarrier:
     """The beginning of a fleet.
 
     Of bots that have not told where they stand or drive, nobody could keep clear; and a fleet that knows not all tasks

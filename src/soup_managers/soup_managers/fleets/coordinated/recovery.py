@@ -1,29 +1,28 @@
-"""Where bots stand and where they will, whatever goes wrong: what all others have to keep clear of."""
+"""Fleet recovery: where bots stand and where they will, whatever goes wrong, so that all others keep clear of that."""
 
 from __future__ import annotations
 
-from soup_managers.fleets.coordinated.adopting import purpose_of
-from soup_managers.fleets.coordinated.lines import Lines
+from soup_managers.fleets.coordinated.dock_queues import DockQueues
+from soup_managers.fleets.coordinated.liveness import Liveness
+from soup_managers.fleets.coordinated.orders import Orders
 from soup_managers.fleets.coordinated.places import Places
 from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
 from soup_managers.fleets.coordinated.situation import Situation
-from soup_managers.fleets.coordinated.watch import Watch
+from soup_managers.fleets.coordinated.take_over import purpose_of
 from soup_managers.traffic import Leg, Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code
 from soup_msgs_py.layout import Layout
-from soup_msgs_py.messages import BotStatus, CancelDrive, Trip
-from soup_msgs_py.mind import NEVER, Message
+from soup_msgs_py.messages import BotStatus, Trip
 from soup_msgs_py.scenario import Scenario
 
 RETRY_S = 0.5  # before a way that could not be planned is tried again
 ASK_S = 5.0  # between two questions to all lost bots that are silent
-NO_DRIVE = 0  # number of no drive: who is asked to end that one says what it does
 NEVER_LEFT = frozenset({Code.LATE, Code.BUSY, Code.PENALISED})  # results of drives that did not begin
 GONE = frozenset({Code.STOPPED, Code.UNKNOWN})  # results that somebody else had to give
 
 
-class Whereabouts:
+class Recovery:
     """Enters bots in the fleet's books: where they are seen, where an earlier fleet sent them, where they went wrong.
 
     Attributes:
@@ -38,9 +37,9 @@ class Whereabouts:
         situation: Situation,
         traffic: Traffic,
         places: Places,
-        lines: Lines,
-        watch: Watch,
-        said: list[Message],
+        queues: DockQueues,
+        liveness: Liveness,
+        orders: Orders,
     ) -> None:
         """Begin with bots of which nothing is known.
 
@@ -51,13 +50,15 @@ class Whereabouts:
             situation: The bots, buckets and stations.
             traffic: The timetable.
             places: Which waypoints are taken.
-            lines: The lines of stations.
-            watch: Knows whom nobody can rely on.
-            said: Where messages to bots are put.
+            queues: The lines of stations.
+            liveness: Knows whom nobody can rely on.
+            orders: What is asked of bots.
         """
         self.halted: set[int] = set()
         self._layout, self._view, self._situation = layout, view, situation
-        self._traffic, self._places, self._lines, self._watch, self._said = traffic, places, lines, watch, said
+        self._traffic, self._places, self._queues, self._liveness, self._orders = (
+            traffic, places, queues, liveness, orders,
+        )  # fmt: skip
         self._tolerance_m, self._penalty_s = scenario.bot.tolerance_m, scenario.bot.collision_penalty_s
         self._brakes_s = scenario.bot.max_speed_mps / scenario.bot.max_acceleration_mps2
         self._legs: dict[int, Leg] = {}  # the last one of each bot
@@ -65,25 +66,25 @@ class Whereabouts:
 
     # ---- where bots are --------------------------------------------------------------------------------------
 
-    def goes(self, robot: Robot, goal: int) -> None:
+    def _moves(self, robot: Robot, goal: int) -> None:
         """A bot leaves where it is and will stand on a waypoint."""
         if robot.waypoint >= 0:
             self._places.leave(robot.waypoint)
-        robot.waypoint = goal
         self._places.take(goal)
         self._situation.robot_xy[robot.number] = self._layout.waypoints[goal]
 
     def departs(self, robot: Robot, goal: int, leg: Leg) -> None:
         """A bot is sent to a waypoint."""
-        self.goes(robot, goal)
+        self._moves(robot, goal)
         self._legs[robot.number] = leg
-        robot.activity, robot.arrives, robot.note = Activity.DRIVES, leg.arrive, ""
+        robot.sent(goal, leg.arrive)
 
     def stands(self, robot: Robot, bucket: int, now: float) -> None:
         """Enter a bot where it is seen."""
         x, y = float(self._view.bot_x[robot.number]), float(self._view.bot_y[robot.number])
-        self.goes(robot, self._places.nearest(x, y))
-        robot.bucket, robot.target, robot.purpose, robot.adopted = bucket, -1, Purpose.NONE, False
+        waypoint = self._places.nearest(x, y)
+        self._moves(robot, waypoint)
+        robot.found(bucket, waypoint)
         self.halted.discard(robot.number)
         self._traffic.stand_at(robot.number, x, y, now)
         self._stop_others(robot, now)
@@ -93,18 +94,18 @@ class Whereabouts:
     def stands_in_the_way(self, robot: Robot, now: float) -> None:
         """Nobody answers for a bot, or it still does what nobody knows any more: it stands there until it is idle."""
         self.stands(robot, int(self._view.bot_bucket[robot.number]), now)
-        self._watch.lose(robot, now)
+        self._liveness.lose(robot, now)
         self.note_closed()
 
     def note_closed(self) -> None:
         """Close the stations in whose lines somebody stands whom nobody can tell to leave."""
         closed = self._situation.closed
         closed[:] = False
-        for robot in self._watch.lost.values():
-            station = self._lines.station_at(robot.waypoint)
+        for robot in self._liveness.lost.values():
+            station = self._queues.station_at(robot.waypoint)
             if station >= 0:
                 closed[station] = True
-                self._lines.moved.add(station)
+                self._queues.moved.add(station)
 
     # ---- what an earlier fleet has begun --------------------------------------------------------------------
 
@@ -119,28 +120,27 @@ class Whereabouts:
 
     def adopt_drive(self, robot: Robot, status: BotStatus) -> None:
         """A bot drives where an earlier fleet has sent it: what for is to be seen by where that is."""
-        self._watch.placed(robot.number)
+        self._liveness.placed(robot.number)
         self.halted.discard(robot.number)
         self._traffic.adopt(robot.number, status.points, status.stamps)
         goal = self._places.nearest(*status.points[-1])
-        self.goes(robot, goal)
-        robot.activity, robot.adopted, robot.asked_at = Activity.DRIVES, True, NEVER
-        robot.bucket, robot.arrives = status.bucket, status.stamps[-1]
+        self._moves(robot, goal)
+        robot.adopted_on(goal, status.bucket, status.stamps[-1])
         self.note_closed()
         if robot.bucket < 0:
             bucket = self._view.bucket_on.get(goal, -1)
             if bucket >= 0 and self._situation.free_buckets[bucket]:
-                robot.purpose, robot.target = Purpose.FETCH, bucket
+                robot.is_for(Purpose.FETCH, bucket)
                 self._situation.free_buckets[bucket] = False
             return
         self._situation.free_buckets[robot.bucket] = False
         if self._places.is_spot[goal]:
-            robot.purpose = Purpose.STORE
-        self._lines.keep(robot)
+            robot.is_for(Purpose.STORE)
+        self._queues.keep(robot)
 
     def end_adopted(self, robot: Robot, status: BotStatus, now: float) -> bool:
         """The drive of an earlier fleet has ended; whether at its goal, and not before."""
-        robot.adopted, robot.bucket = False, status.bucket
+        robot.ended_adopted(status.bucket)
         x, y = self._layout.waypoints[robot.waypoint]
         away = abs(self._view.bot_x[robot.number] - x) + abs(self._view.bot_y[robot.number] - y)
         if away > self._tolerance_m:
@@ -151,24 +151,26 @@ class Whereabouts:
     def adopt_trip(self, robot: Robot, trip: Trip, bucket: int, now: float) -> None:
         """A bot lifts, sets down or serves, and will tell how that ended."""
         self.stands(robot, bucket, now)
-        robot.activity, robot.asked_at, robot.order = Activity.WORKS, now, trip.trip
-        robot.purpose = purpose_of(trip)
+        robot.works()
+        robot.asked(trip.trip, now)
         self._situation.free_buckets[trip.bucket] = False
-        if robot.purpose is Purpose.FETCH:
-            robot.bucket, robot.target = -1, trip.bucket
-        elif robot.purpose is Purpose.SERVE:
-            robot.purpose = Purpose.NONE
+        purpose = purpose_of(trip)
+        if purpose is Purpose.FETCH:
+            robot.lifts(trip.bucket)
+        elif purpose is Purpose.STORE:
+            robot.is_for(purpose)
+        else:
             station = trip.visits[0].station
-            if self._lines.places[station][0] == self._traffic.at(robot.number):
-                self._lines.enter(robot, station, 0)
+            if self._queues.places[station][0] == self._traffic.at(robot.number):
+                self._queues.enter(robot, station, 0)
 
     # ---- what goes wrong ---------------------------------------------------------------------------------------
 
     def overdue(self, robot: Robot, now: float) -> None:
         """A bot has not confirmed its drive, or is idle though it has not told how what it did ended."""
-        began = self._watch.ended(robot)
+        began = self._liveness.ended(robot)
         if not began:
-            self._said.append(CancelDrive(robot.number, robot.order))
+            self._orders.stop(robot)
         why = f"bot {robot.number} does not answer"
         self.failed(robot, Code.CANCELLED if began else Code.STOPPED, why, began, now)
 
@@ -188,24 +190,23 @@ class Whereabouts:
         if drove and (code in NEVER_LEFT or not began):
             self._traffic.undo(robot.number, now)
             self._stop_others(robot, now)
-            robot.arrives = now
+            robot.stops_here(now)
         elif not gone:
             if drove and robot.number not in self.halted:
                 # it has stopped near where it was then: nobody must be sent there
-                self._traffic.halt(robot.number, self._watch.idle_since(robot.number, now), 0.0)
+                self._traffic.halt(robot.number, self._liveness.idle_since(robot.number, now), 0.0)
                 self._stop_others(robot, now)
-            robot.arrives = now
+            robot.stops_here(now)
         if gone:
-            self._watch.forget_idle(robot)
-        self._lines.unbind(robot)
+            self._liveness.forget_idle(robot)
+        self._queues.unbind(robot)
         if robot.target >= 0 and self._view.bucket_bot[robot.target] < 0:
             self._situation.free_buckets[robot.target] = True
-        robot.target, robot.purpose, robot.note = -1, Purpose.NONE, why
         struck = code in (Code.COLLIDED, Code.PENALISED)
-        robot.retry_at = now + (self._penalty_s if struck else RETRY_S)
-        self._watch.lose(robot, now)
+        robot.failed(why, now + (self._penalty_s if struck else RETRY_S))
+        self._liveness.lose(robot, now)
         if drove and not gone:
-            robot.failed_at += self._brakes_s
+            robot.not_seen_before(robot.failed_at + self._brakes_s)
         self.note_closed()
 
     def struck(self, robot: Robot, now: float) -> None:
@@ -222,14 +223,14 @@ class Whereabouts:
         leg = self._legs[robot.number]
         self._traffic.adopt(robot.number, leg.points, leg.stamps)
         # as if an earlier fleet had asked it: what it tells next is where it stands
-        robot.adopted, robot.order, robot.asked_at = True, -1, NEVER
+        robot.drives_for_nobody()
         self._stop_others(robot, now)
 
     def ask_silent(self, now: float) -> None:
         """Ask lost bots what they do: what they were asked for may never have come to them."""
         if now >= self._asks_at:
             self._asks_at = now + ASK_S
-            self._said += [CancelDrive(bot, NO_DRIVE) for bot in sorted(self._watch.silent)]
+            self._orders.ask(sorted(self._liveness.silent))
 
     def _stop_others(self, robot: Robot, now: float) -> None:
         """Stop the bots that are to pass where a bot stands for good, and those that are to pass where they stop."""
@@ -239,7 +240,7 @@ class Whereabouts:
                 other = self._situation.robots[number]
                 if other.activity is Activity.DRIVES and number not in self.halted and not other.adopted:
                     self.halted.add(number)
-                    self._said.append(CancelDrive(number, other.order))
-                    answered = self._watch.told_to_stop(other, now)
+                    self._orders.stop(other)
+                    answered = self._liveness.told_to_stop(other, now)
                     self._traffic.halt(number, now, answered - now)  # until then it may drive on
                     stopped.append(other)

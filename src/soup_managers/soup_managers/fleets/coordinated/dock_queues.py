@@ -1,4 +1,4 @@
-"""Who is bound for which station, and who has which place in the line before it."""
+"""Dock queues: who is bound for which station, and who has which place in the line before it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FAR_S = 15.0  # a bot that comes from farther takes the hindmost place in a line
 WAITING_SPOTS = 4  # storage spots near each station that are kept for buckets that wait for a place in its line
 
 
-class Lines:
+class DockQueues:
     """The lines of all stations: place 0 is the dock, the others are behind it.
 
     Attributes:
@@ -78,7 +78,7 @@ class Lines:
 
     def bind(self, robot: Robot, station: int) -> None:
         """A bot is bound for a station, and has no place in its line yet."""
-        robot.station, robot.slot = station, -1
+        robot.takes_place(station, -1)
         self._situation.bound[station].append(robot)
         self._changed(station)
 
@@ -92,14 +92,14 @@ class Lines:
         if robot.slot >= 0:
             self._who[station][robot.slot] = None
             self.moved.add(station)
-        robot.station, robot.slot = -1, -1
+        robot.takes_place(-1, -1)
 
     def put(self, robot: Robot, slot: int) -> None:
         """A bot has another place in the line of the station that it is bound for; -1 for none."""
         line = self._who[robot.station]
         if robot.slot >= 0:
             line[robot.slot] = None
-        robot.slot = slot
+        robot.takes_place(robot.station, slot)
         if slot >= 0:
             line[slot] = robot
 
@@ -113,7 +113,7 @@ class Lines:
         """A bot is found at a place in a station's line, and serves there if nobody else has it."""
         if self._who[station][slot] is None:
             self.bind(robot, station)
-            robot.purpose = Purpose.SERVE
+            robot.is_for(Purpose.SERVE)
             self.put(robot, slot)
 
     def _changed(self, station: int) -> None:

@@ -1,4 +1,4 @@
-"""Who does what it was asked for, and who does not: bots that are silent, that forgot, that went wrong."""
+"""The failure detector: which bots do what they were asked for; who is silent, forgot it, or went wrong."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SILENT_S = 10.0  # a bot that has never said anything and has stood for so long 
 STRANGE_S = 30.0  # the same for one that works for somebody else
 
 
-class Watch:
+class Liveness:
     """The fleet's books about bots that it can't rely on.
 
     Attributes:
@@ -60,7 +60,6 @@ class Watch:
 
     def asked(self, robot: Robot, now: float, depart: float) -> None:
         """A bot was asked to drive."""
-        robot.asked_at = now
         self._doubted.pop(robot.number, None)
         self._unheard[robot.number] = min(depart, now + ANSWER_S) + HEARD_S
 
@@ -124,8 +123,7 @@ class Watch:
 
     def lose(self, robot: Robot, now: float) -> None:
         """Leave a bot alone."""
-        robot.activity = Activity.AWAY
-        robot.failed_at = now
+        robot.is_lost(now)
         self._stopping.pop(robot.number, None)
         self.unplaced.pop(robot.number, None)
         self.lost[robot.number] = robot
