@@ -97,7 +97,7 @@ class Dispatch:
         return situation.tasks.fillings(station, situation.room(robot.bucket))
 
     def _serves_where_it_stands(self, robot: Robot) -> bool:
-        """Have a bot serve at the dock where it stands, if nobody else has that and its bucket is of use; whether so."""
+        """Have a bot serve at the dock where it stands, if that is free and its bucket is of use; whether so."""
         if robot.purpose is Purpose.SERVE:
             return robot.slot == 0 and bool(self._tiles(robot, robot.station))
         station = self._docking.finds_place(robot)
