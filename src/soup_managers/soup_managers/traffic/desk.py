@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from soup_managers.traffic.holds import Indices
 from soup_managers.traffic.roads import Roads
 from soup_msgs_py.layout import Floats, Ints
 
@@ -13,7 +14,7 @@ LONGEST_RUN = 2048  # holds in one run
 
 
 class Desk(NamedTuple):
-    """Labels of a search, its heap, the holds of one run, and a finished schedule.
+    """Labels of a search, its heap, the holds of one run, and the edges of a way.
 
     A label is a waypoint and a gap between holds there, numbered waypoint x (capacity + 1) + gap. It counts only if
     `seen` says that it is of the present `round`.
@@ -41,10 +42,6 @@ class Desk(NamedTuple):
         hindered: The first hold that kept a run from departing earlier, -1 for none, shape (1,).
         mark: The search that may use an edge, shape (e,).
         rest: What is left to the goal from each waypoint of a given way (s), shape (n,).
-        stop: Where a schedule stops, its start and its goal included.
-        run_first: The first edge of each run of a schedule.
-        leaves: When it departs.
-        arrives: When it arrives.
         way: Edges of a way.
         looked: How many labels searches have looked at since that was set to 0, shape (1,).
     """
@@ -65,16 +62,12 @@ class Desk(NamedTuple):
     enter: Floats
     leave: Floats
     made: Ints
-    run_edge: Ints
+    run_edge: Indices
     run_length: Floats
-    run_holds: Ints
+    run_holds: Indices
     hindered: Ints
     mark: Ints
     rest: Floats
-    stop: Ints
-    run_first: Ints
-    leaves: Floats
-    arrives: Floats
     way: Ints
     looked: Ints
 
@@ -104,16 +97,12 @@ def make_desk(roads: Roads, capacity: int) -> Desk:
         enter=np.zeros(LONGEST_RUN),
         leave=np.zeros(LONGEST_RUN),
         made=ints(LONGEST_RUN),
-        run_edge=ints(LONGEST_RUN),
+        run_edge=np.zeros(LONGEST_RUN, np.int64),
         run_length=np.zeros(LONGEST_RUN),
-        run_holds=ints(LONGEST_RUN),
+        run_holds=np.zeros(LONGEST_RUN, np.int64),
         hindered=ints(1),
         mark=ints(edges),
         rest=np.zeros(waypoints),
-        stop=ints(waypoints + 1),
-        run_first=ints(waypoints + 1),
-        leaves=np.zeros(waypoints + 1),
-        arrives=np.zeros(waypoints + 1),
         way=ints(edges),
         looked=ints(1),
     )

@@ -9,7 +9,7 @@ import numpy as np
 from soup_managers.traffic.desk import Desk
 from soup_managers.traffic.roads import FORWARD, Mask, Roads
 from soup_managers.traffic.runs import turn_time
-from soup_managers.traffic.ways import find_way, follow, follow_back, tree_from, tree_to
+from soup_managers.traffic.ways import Errand, find_way, follow, follow_back, tree_from, tree_to
 from soup_msgs_py.layout import Floats, Ints
 
 KEPT_TREES = 64
@@ -43,15 +43,19 @@ class Routes:
             return self._nothing
         return self._roads.spot if resting is None else resting
 
-    def find(self, start: int, goal: int, loaded: bool, blocked: Mask, desk: Desk) -> int:
+    def errand(self, start: int, goal: int, blocked: Mask) -> Errand:
+        """The errand of a bot that may not pass through some spots."""
+        return Errand(goal, int(self._roads.line[start]), self.deep, blocked)
+
+    def find(self, start: int, errand: Errand, desk: Desk) -> int:
         """Write the edges of the way on the desk; how many there are, 0 for no way."""
-        roads = self._roads
-        if not (self.deep and loaded):
+        roads, goal = self._roads, errand.goal
+        if not errand.deep or errand.blocked is self._nothing:
             if roads.line[goal] >= 0:
                 return follow(roads, start, goal, self.to(goal)[1], desk.way)
             if roads.line[start] >= 0:
                 return follow_back(roads, start, goal, self.away(start)[1], desk.way)
-        return find_way(roads, start, goal, self.deep, blocked, self._square, desk, desk.way)
+        return find_way(roads, start, errand, self._square, desk)
 
     def to(self, goal: int) -> _Tree:
         """Seconds from everywhere to a goal, and the first edge of each way."""

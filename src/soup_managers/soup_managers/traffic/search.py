@@ -1,23 +1,103 @@
-"""Safe-interval search: the earliest arrival at a goal through the gaps that the holds of all others leave.
+"""Safe-interval path planning (SIPP): the earliest arrival at a goal through what others have left free.
 
-A label is a bot that stands on a waypoint within a gap between the holds of others there. From it, straight runs lead
-to all waypoints ahead; each departs as early as everything that it holds on its way is free (Phillips and Likhachev
-2011, in continuous time and with the physics of `runs`).
+Between the holds of other bots in the reservation table each waypoint has gaps: its safe intervals. A label is a bot
+that stands on a waypoint within one of them. From it, straight runs lead to all waypoints ahead; each departs as early
+as everything that it holds on its way is free (Phillips and Likhachev 2011, in continuous time and with the physics of
+`runs`). Labels are looked at in the order of f = g + h: when a bot is there, what wrong ways cost, and at least so
+long it takes from there.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from soup_managers.heap import drop_first, push
-from soup_managers.traffic.desk import LONGEST_RUN
-from soup_managers.traffic.roads import AT_END_M
+from soup_managers.traffic.desk import LONGEST_RUN, Desk
+from soup_managers.traffic.roads import AT_END_M, Roads
 from soup_managers.traffic.runs import run_time, time_at, turn_time
-from soup_managers.traffic.timetable import SAME_S, gap_after, in_the_way, stands_on
-from soup_managers.traffic.ways import stop_time, usable
-from soup_msgs_py.kernel import kernel
+from soup_managers.traffic.timetable import SAME_S, Timetable, gap_after, in_the_way, stands_on
+from soup_managers.traffic.ways import Errand, stop_time, usable
+from soup_msgs_py.kernel import inlined, kernel, maker
+from soup_msgs_py.layout import Floats, Ints
 
 _LOOK_BACK = 8  # an edge holds what one of the last few edges holds, or something new
+
+
+class Query(NamedTuple):
+    """What a search is asked.
+
+    Attributes:
+        bot: Who drives; its own holds do not hinder it.
+        start: Where it stands.
+        errand: Where it goes, to stand there for good, and which edges it may use.
+        ready: When it may depart (s).
+        heading: Where it faces (rad).
+        rest: h: at least so long it takes from each waypoint to the goal (s), shape (n,); read only.
+        on_way: Whether to use only the edges that `rest_of_way` has marked.
+        worst: Arrivals after this do not count (s).
+        most: After how many labels to give up.
+    """
+
+    bot: int
+    start: int
+    errand: Errand
+    ready: float
+    heading: float
+    rest: Floats
+    on_way: bool
+    worst: float
+    most: int
+
+
+class Found(NamedTuple):
+    """A drive that has been found, not yet in the reservation table.
+
+    Attributes:
+        stops: Waypoints where it stops, its start and its goal included, shape (runs + 1,).
+        edges: The first edge of each run, shape (runs,).
+        leaves: When each run departs (s).
+        arrives: When it arrives (s).
+    """
+
+    stops: Ints
+    edges: Ints
+    leaves: Floats
+    arrives: Floats
+
+
+class _Run(NamedTuple):
+    """Where a run begins: a label and an edge.
+
+    Attributes:
+        label: The label.
+        v: Its waypoint.
+        edge: The first edge.
+        lead: How long the bot turns before it moves (s).
+        stood: g: since when it stands on v (s).
+        gap_end: Until when it may: the end of the safe interval (s).
+        extra: What wrong ways cost up to there (s).
+        bot: Who it is.
+    """
+
+    label: int
+    v: int
+    edge: int
+    lead: float
+    stood: float
+    gap_end: float
+    extra: float
+    bot: int
+
+
+def find(roads: Roads, table: Timetable, desk: Desk, query: Query) -> Found | None:
+    """The drive that arrives first; None where there is none, or none was found in time."""
+    label = _search(roads, table, desk, query)
+    return _read(desk, label, table.begin.shape[1] + 1) if label >= 0 else None
+
+
+# ---- what a run holds: its footprint ---------------------------------------------------------------------------
 
 
 @kernel
@@ -87,41 +167,43 @@ def times_held(desk, i, length, V, A):
 
 
 @kernel
-def _fit(roads, table, desk, i, m, t, lead, length, v, stood, gap_end, passing, final, bot):
+def _held(desk, x, m):
+    """The number of a waypoint among those that a run holds."""
+    i = m - 1
+    while desk.at[i] != x:
+        i -= 1
+    return i
+
+
+@kernel
+def _fit(roads, table, desk, run, i, m, t, length, final):
     """The earliest departure, not before t, at which all that a run holds is free; infinite if there is none.
 
     Notes the first hold that was not free at t in `desk.hindered`.
 
     Args:
         roads: The graph.
-        table: The timetable.
-        desk: Its holds.
+        table: The reservation table.
+        desk: The run's holds.
+        run: Where it begins.
         i: Those before this one are free at t.
         m: How many there are.
         t: Earliest departure.
-        lead: Time to turn before it moves.
         length: How long it is.
-        v: Where it begins.
-        stood: Since when the bot stands there.
-        gap_end: Until when it may.
-        passing: Whether to regard only what is left behind before the bot brakes.
         final: Whether the bot stands for good where it ends.
-        bot: Whose run it is.
     """
-    V, A = roads.max_speed, roads.max_acceleration
+    V, A, lead = roads.max_speed, roads.max_acceleration, run.lead
     desk.hindered[0] = -1
     while i < m:
         w = desk.at[i]
-        if passing:
-            enter, leave = desk.enter[i], desk.leave[i]
+        enter, leave = times_held(desk, i, length, V, A)
+        # until when somebody else has w: never, if it is where the bot stands and it is gone before its gap ends
+        if w == run.v:
+            busy_until = np.inf if t + lead + leave > run.gap_end + SAME_S else -np.inf
         else:
-            enter, leave = times_held(desk, i, length, V, A)
-        if w == v:
-            busy_until = np.inf if t + lead + leave > gap_end + SAME_S else -np.inf
-        else:
-            begin = stood if desk.since[i] < 0.0 else t + lead + enter
+            begin = run.stood if desk.since[i] < 0.0 else t + lead + enter
             end = np.inf if final and desk.until[i] >= length - AT_END_M else t + lead + leave
-            busy_until = in_the_way(table, w, begin, end, bot)
+            busy_until = in_the_way(table, w, begin, end, run.bot)
         if busy_until == -np.inf:
             i += 1
             continue
@@ -129,8 +211,12 @@ def _fit(roads, table, desk, i, m, t, lead, length, v, stood, gap_end, passing, 
             desk.hindered[0] = i
         if busy_until == np.inf or desk.since[i] < 0.0:
             return np.inf
+        # depart so much later that it gets there when the other one has gone; then what was free may not be
         t, i = busy_until - lead - enter, 0
     return t
+
+
+# ---- the search ------------------------------------------------------------------------------------------------
 
 
 @kernel
@@ -152,159 +238,179 @@ def rest_of_way(roads, desk, count):
 
 
 @kernel
-def search(
-    roads, table, desk, bot, start, goal, ready, heading, rest, marked_only, deep, blocked, worst, most
-):  # fmt: skip
-    """Find the earliest arrival at a goal.
-
-    Args:
-        roads: The graph.
-        table: The timetable; not changed.
-        desk: Takes the labels.
-        bot: Who drives; its own holds do not hinder it.
-        start: Where it stands.
-        goal: Where it goes, to stand for good.
-        ready: When it may depart.
-        heading: Where it faces (rad).
-        rest: At least so long it takes from each waypoint to the goal (s).
-        marked_only: Whether to use only the edges that `rest_of_way` has marked.
-        deep: See `usable`.
-        blocked: See `usable`.
-        worst: Arrivals after this do not count.
-        most: After how many labels to give up.
-
-    Returns:
-        The label at the goal, -1 for none.
-    """
-    if not marked_only:
+def _search(roads, table, desk, query):
+    """Fill the desk with labels up to the goal's, the return value; -1 where none is found."""
+    if not query.on_way:
         desk.round[0] += 1
-    now = desk.round[0]
-    V, A, turn_rate = roads.max_speed, roads.max_acceleration, roads.turn_rate
-    ramp = 0.5 * V * V / A
     gaps = table.begin.shape[1] + 1
-    start_line = roads.line[start]
-    gap, gap_end, _ = gap_after(table, start, ready, bot)
-    root = start * gaps + gap
-    desk.seen[root], desk.time[root], desk.extra[root], desk.parent[root], desk.last[root] = now, ready, 0.0, -1, -1
-    desk.keys[0], desk.items[0], size = ready + rest[start], root, 1
+    rest, heading, bot, most = query.rest, query.heading, query.bot, query.most
+
+    # the root: the bot stands where it is
+    gap, gap_end, _ = gap_after(table, query.start, query.ready, bot)
+    root = query.start * gaps + gap
+    desk.seen[root], desk.time[root], desk.extra[root] = desk.round[0], query.ready, 0.0
+    desk.parent[root], desk.last[root] = -1, -1
+    desk.keys[0], desk.items[0], size = query.ready + rest[query.start], root, 1
+
     while size > 0 and most > 0:
+        # the open label with the least f = g + h, unless a better one has been written over it
         key, label = desk.keys[0], desk.items[0]
         drop_first(desk.keys, desk.items, size)
         size -= 1
         v = label // gaps
-        if v == goal:
+        if v == query.errand.goal:
             return label
         stood, extra = desk.time[label], desk.extra[label]
         if key > stood + extra + rest[v] + SAME_S:
             continue
         most -= 1
         desk.looked[0] += 1
+
+        # expand it: runs along each edge
         _, gap_end, _ = gap_after(table, v, stood, bot)
         for edge in range(roads.out[v], roads.out[v + 1]):
-            if marked_only and desk.mark[edge] != now:
-                continue
-            if not usable(roads, edge, goal, start_line, deep, blocked):
+            if not _open(roads, desk, query, edge):
                 continue
             faced = heading if label == root else roads.heading[desk.last[label]]
-            lead = turn_time(faced, roads.heading[edge], turn_rate)
-            # a run along this edge, and on and on; holds before `done` are free from `soonest` on, if it only passes
-            m = begin_run(roads, table, desk, v, desk.last[label], bot)
-            step, done, soonest, length, cost, last = 0, 0, stood, 0.0, extra, edge
-            while True:
-                m, changed = extend_run(roads, desk, last, step, length, m)
-                done = min(done, changed)
-                length += roads.length[last]
-                if not marked_only:
-                    cost += roads.pace[last] - roads.length[last] / V
-                desk.run_edge[step], desk.run_length[step], desk.run_holds[step] = last, length, m
-                x = roads.head[last]
-                final = x == goal
-                following = -1 if final or m > LONGEST_RUN - 32 else roads.straight[last]
-                if following >= 0 and (
-                    (marked_only and desk.mark[following] != now)
-                    or roads.line[x] >= 0
-                    or not usable(roads, following, goal, start_line, deep, blocked)
-                ):
-                    following = -1
-                passed = done
-                while passed < m and desk.until[passed] <= length - ramp:
-                    passed += 1
-                hindered, before = -1, soonest
-                if length >= 2.0 * ramp and passed > done:
-                    soonest = _fit(
-                        roads, table, desk, done, passed, soonest, lead, length, v, stood, gap_end, True, False, bot
-                    )
-                    hindered, done = desk.hindered[0], passed
-                t = soonest
-                turning = following < 0 or (not marked_only and _crossing(roads, last, goal, start_line, deep, blocked))
-                if turning:
-                    t = _fit(roads, table, desk, done, m, t, lead, length, v, stood, gap_end, False, final, bot)
-                    if hindered < 0:
-                        hindered = desk.hindered[0]
-                if hindered >= 0 and desk.made[hindered] > 0:
-                    # it may be better to go at once and to wait just before what is in the way
-                    stop = desk.made[hindered] - 1
-                    held, short = desk.run_holds[stop], desk.run_length[stop]
-                    first = held
-                    while first > 0 and desk.until[first - 1] > short - ramp:
-                        first -= 1
-                    y = roads.head[desk.run_edge[stop]]
-                    if short < 2.0 * ramp:
-                        first = 0
-                    go = _fit(
-                        roads, table, desk, first, held, before, lead, short, v, stood, gap_end, False, False, bot
-                    )
-                    come = go + lead + run_time(short, V, A)
-                    if come + rest[y] <= worst:
-                        there = y * gaps + gap_after(table, y, come, bot)[0]
-                        size = _put(desk, there, come, extra, go, label, edge, desk.run_edge[stop], now, rest[y], size)
-                if turning:
-                    run = lead + run_time(length, V, A)
-                    entry = times_held(desk, _held(desk, x, m), length, V, A)[0]
-                    while t + run + rest[x] <= worst:
-                        gap, _, reopens = gap_after(table, x, t + run, bot)
-                        size = _put(desk, x * gaps + gap, t + run, cost, t, label, edge, last, now, rest[x], size)
-                        if final or reopens - lead - entry <= t or reopens == np.inf:
-                            break
-                        t = reopens - lead - entry
-                        t = _fit(roads, table, desk, 0, m, t, lead, length, v, stood, gap_end, False, final, bot)
-                if size < 0:
-                    return -1
-                if following < 0 or soonest == np.inf:
-                    break
-                last = following
-                step += 1
+            lead = turn_time(faced, roads.heading[edge], roads.turn_rate)
+            size = _expand(roads, table, desk, query, _Run(label, v, edge, lead, stood, gap_end, extra, bot), size)
+            if size < 0:
+                return -1
     return -1
 
 
+@inlined
+def _open(roads, desk, query, edge):
+    """Whether a search may use an edge."""
+    return (not query.on_way or desk.mark[edge] == desk.round[0]) and usable(roads, edge, query.errand)
+
+
 @kernel
-def _put(desk, there, arrive, cost, t, parent, first, last, now, rest, size):
+def _expand(roads, table, desk, query, run, size):
+    """Put labels at the ends of all runs that begin along an edge into the heap; its size, -1 for too large."""
+    V, A = roads.max_speed, roads.max_acceleration
+    ramp = 0.5 * V * V / A
+    # holds before `done` are free from `soonest` on, if the run only passes
+    m = begin_run(roads, table, desk, run.v, desk.last[run.label], run.bot)
+    step, done, soonest, length, cost, last = 0, 0, run.stood, 0.0, run.extra, run.edge
+    while True:
+        # one more edge
+        m, changed = extend_run(roads, desk, last, step, length, m)
+        done = min(done, changed)
+        length += roads.length[last]
+        if not query.on_way:
+            cost += roads.pace[last] - roads.length[last] / V
+        desk.run_edge[step], desk.run_length[step], desk.run_holds[step] = last, length, m
+        x = roads.head[last]
+        final = x == query.errand.goal
+        following = -1 if final or m > LONGEST_RUN - 32 or roads.line[x] >= 0 else roads.straight[last]
+        if following >= 0 and not _open(roads, desk, query, following):
+            following = -1
+
+        # when it can pass all that is behind it before it would have to brake here
+        passed = done
+        while passed < m and desk.until[passed] <= length - ramp:
+            passed += 1
+        hindered, before = -1, soonest
+        if length >= 2.0 * ramp and passed > done:
+            soonest = _fit(roads, table, desk, run, done, passed, soonest, length, final)
+            hindered, done = desk.hindered[0], passed
+
+        # when it can end here, where it may turn
+        t = soonest
+        turning = following < 0 or (not query.on_way and _crossing(roads, last, query.errand))
+        if turning:
+            t = _fit(roads, table, desk, run, done, m, t, length, final)
+            if hindered < 0:
+                hindered = desk.hindered[0]
+        if hindered >= 0 and desk.made[hindered] > 0:
+            size = _wait_before(roads, table, desk, query, run, hindered, before, size)
+        if turning:
+            size = _arrive(roads, table, desk, query, run, m, t, length, cost, last, size)
+        if size < 0 or following < 0 or soonest == np.inf:
+            break
+        last = following
+        step += 1
+    return size
+
+
+@inlined
+def _wait_before(roads, table, desk, query, run, hindered, before, size):
+    """A label just before what is in the way: it may be better to go at once and to wait there."""
+    V, A = roads.max_speed, roads.max_acceleration
+    ramp = 0.5 * V * V / A
+    stop = desk.made[hindered] - 1
+    held, short, last = desk.run_holds[stop], desk.run_length[stop], desk.run_edge[stop]
+    first = held
+    while first > 0 and desk.until[first - 1] > short - ramp:
+        first -= 1
+    if short < 2.0 * ramp:
+        first = 0
+    y = roads.head[last]
+    go = _fit(roads, table, desk, run, first, held, before, short, y == query.errand.goal)
+    come = go + run.lead + run_time(short, V, A)
+    if come + query.rest[y] <= query.worst:
+        there = y * (table.begin.shape[1] + 1) + gap_after(table, y, come, run.bot)[0]
+        size = _put(desk, run, last, there, go, come, run.extra, query.rest[y], size)
+    return size
+
+
+@inlined
+def _arrive(roads, table, desk, query, run, m, t, length, cost, last, size):
+    """Labels where a run ends that departs at t or later: one in each safe interval that it can get into."""
+    V, A, x = roads.max_speed, roads.max_acceleration, roads.head[last]
+    takes = run.lead + run_time(length, V, A)
+    entry = times_held(desk, _held(desk, x, m), length, V, A)[0]
+    final = x == query.errand.goal
+    while t + takes + query.rest[x] <= query.worst:
+        gap, _, reopens = gap_after(table, x, t + takes, run.bot)
+        there = x * (table.begin.shape[1] + 1) + gap
+        size = _put(desk, run, last, there, t, t + takes, cost, query.rest[x], size)
+        if final or reopens - run.lead - entry <= t or reopens == np.inf:
+            break
+        t = reopens - run.lead - entry
+        t = _fit(roads, table, desk, run, 0, m, t, length, final)
+    return size
+
+
+@kernel
+def _put(desk, run, last, there, depart, arrive, cost, rest, size):
     """Write a label and put it into the heap, if it is better than what is there; the heap's size, -1 for too large."""
+    now = desk.round[0]
     if arrive == np.inf or (desk.seen[there] == now and arrive + cost >= desk.time[there] + desk.extra[there] - SAME_S):
         return size
     if size < 0 or size == len(desk.keys):
         return -1
-    desk.seen[there], desk.time[there], desk.extra[there], desk.depart[there] = now, arrive, cost, t
-    desk.parent[there], desk.first[there], desk.last[there] = parent, first, last
+    desk.seen[there], desk.time[there], desk.extra[there], desk.depart[there] = now, arrive, cost, depart
+    desk.parent[there], desk.first[there], desk.last[there] = run.label, run.edge, last
     push(desk.keys, desk.items, size, arrive + cost + rest, there)
     return size + 1
 
 
 @kernel
-def _crossing(roads, last, goal, start_line, deep, blocked):
+def _crossing(roads, last, errand):
     """Whether a bot may turn at the end of an edge."""
     x = roads.head[last]
     for edge in range(roads.out[x], roads.out[x + 1]):
         onward = edge != roads.straight[last] and roads.head[edge] != roads.tail[last]
-        if onward and usable(roads, edge, goal, start_line, deep, blocked):
+        if onward and usable(roads, edge, errand):
             return True
     return False
 
 
-@kernel
-def _held(desk, x, m):
-    """The number of a waypoint among those that a run holds."""
-    i = m - 1
-    while desk.at[i] != x:
-        i -= 1
-    return i
+@maker
+def _read(desk, label, gaps):
+    """Copy the runs that lead to a label from the desk."""
+    runs, node = 0, label
+    while desk.parent[node] >= 0:
+        runs += 1
+        node = desk.parent[node]
+    stops, edges = np.empty(runs + 1, np.int32), np.empty(runs, np.int32)
+    leaves, arrives = np.empty(runs), np.empty(runs)
+    node = label
+    for k in range(runs - 1, -1, -1):
+        stops[k + 1], edges[k] = node // gaps, desk.first[node]
+        leaves[k], arrives[k] = desk.depart[node], desk.time[node]
+        node = desk.parent[node]
+    stops[0] = node // gaps
+    return Found(stops, edges, leaves, arrives)

@@ -44,6 +44,17 @@ def larger(table: Timetable) -> Timetable:
     return new
 
 
+def conflicts(table: Timetable, bot: int, now: float) -> list[int]:
+    """The bots that hold what a bot holds, at the same time, from now on."""
+    there = np.arange(table.begin.shape[1]) < table.filled[:, None]
+    rows, columns = (there & (table.bot == bot)).nonzero()
+    begin = np.maximum(table.begin[rows, columns], now)[:, None]
+    end = table.end[rows, columns][:, None]
+    bots = table.bot[rows]
+    meet = there[rows] & (bots != bot) & (np.maximum(table.begin[rows], begin) < np.minimum(table.end[rows], end))
+    return sorted(set(bots[meet].tolist()))
+
+
 @kernel
 def forget(table, w, before):
     """Drop what ended before a time from one waypoint."""

@@ -4,54 +4,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.traffic.booking import TABLE_FULL, book, read_schedule, wait_early
+from soup_managers.traffic.booking import book, wait_early
 from soup_managers.traffic.desk import make_desk
 from soup_managers.traffic.holds import Motion
+from soup_managers.traffic.legs import NOWHERE, Leg, braking_places, heading_after, pieces_of
 from soup_managers.traffic.lines import Line, find_lines
 from soup_managers.traffic.nearby import Nearby
 from soup_managers.traffic.roads import Mask, make_roads
 from soup_managers.traffic.routes import Routes
-from soup_managers.traffic.runs import heading_of, place_at, run_time, time_at, turn_time
-from soup_managers.traffic.search import rest_of_way, search
-from soup_managers.traffic.timetable import add, empty_timetable, forget, forget_bot, free_from, larger
+from soup_managers.traffic.runs import heading_of, run_time, turn_time
+from soup_managers.traffic.search import Found, Query, find, rest_of_way
+from soup_managers.traffic.timetable import add, conflicts, empty_timetable, forget, forget_bot, free_from, larger
 from soup_msgs_py.layout import Floats, Layout
 from soup_msgs_py.messages import Point
 from soup_msgs_py.scenario import Scenario
 
 PATIENCE_S = 3.0  # a bot that is later than this on its usual way looks for another one
-NOWHERE = -1  # the "waypoint" of a place beside the graph
 _CAPACITY = 16  # holds of one waypoint, to begin with
 _LABELS_ON_WAY = 100_000
 _LABELS_FOR_BETTER = 1_500  # how long to look for a better way than waiting
 _LABELS_FOR_ANY = 60_000  # how long to look for any way at all
 _HERE_M = 1e-9  # farther off a waypoint the first run to it takes time, and whoever is late is in the way
-_PIECE_M = 3.0  # of a drive that is adopted: what is held along one is held for all of its time
-
-
-@dataclass(frozen=True, slots=True)
-class Leg:
-    """A drive from one waypoint to another, at rest at both ends.
-
-    Attributes:
-        bot: Who drives.
-        waypoints: Where it stops or waits, as in `points`; `NOWHERE` for a start beside the graph.
-        points: The same in metres; the first is where it stands, twice the same point is a wait.
-        stamps: When to be at each point (s); the first is the departure.
-        depart: The same.
-        arrive: When it stands on the last one.
-    """
-
-    bot: int
-    waypoints: tuple[int, ...]
-    points: tuple[Point, ...]
-    stamps: tuple[float, ...]
-    depart: float
-    arrive: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,7 +50,6 @@ class Traffic:
 
     Attributes:
         lines: Waypoints of each station's line, its dock first; bots come in from the end.
-        deep: Whether bots pass through storage spots, because some can only be reached through others.
         looked: Labels that searches have looked at so far: what plans have cost.
     """
 
@@ -85,7 +61,6 @@ class Traffic:
         self._roads = make_roads(layout, self.lines, motion, bot.turn_rate_radps or 0.0)
         self._nearby = Nearby(self._roads)
         self._routes = Routes(self._roads)
-        self.deep = self._routes.deep
         self._points: list[Point] = [(x, y) for x, y in layout.waypoints.tolist()]
         self._table = empty_timetable(len(self._points), _CAPACITY)
         self._desk = make_desk(self._roads, _CAPACITY)
@@ -128,31 +103,17 @@ class Traffic:
             The waypoint where it will stand; `NOWHERE` for a place beside the graph.
         """
         self.stand_at(bot, *points[-1], stamps[-1])
-        speed, acceleration = self._roads.max_speed, self._roads.max_acceleration
-        heading = 0.0
-        for k, ((ax, ay), (bx, by)) in enumerate(pairwise(points)):
-            length = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-            if length == 0.0:
-                self._hold_along(points[k], points[k], stamps[k], stamps[k + 1], bot)
-                continue
-            heading = heading_of(bx - ax, by - ay)
-            runs_from = stamps[k + 1] - run_time(length, speed, acceleration)
-            pieces = math.ceil(length / _PIECE_M)
-            for piece in range(pieces):
-                ends = [length * piece / pieces, length * (piece + 1) / pieces]
-                start, end = ((ax + (bx - ax) * x / length, ay + (by - ay) * x / length) for x in ends)
-                begin, until = (runs_from + time_at(x, length, speed, acceleration) for x in ends)
-                self._hold_along(start, end, min(begin, stamps[k]) if piece == 0 else begin, until, bot)
+        roads = self._roads
+        for start, end, begin, until in pieces_of(points, stamps, roads.max_speed, roads.max_acceleration):
+            for waypoint in self._nearby.held_along(start, end):
+                self._hold(waypoint, begin, until, bot)
+        heading = heading_after(points)
         stand = replace(self._stands[bot], heading=heading)
         waypoints = tuple(self._nearby.waypoint(x, y) for x, y in points)
         leg = Leg(bot, waypoints, points, stamps, stamps[0], stamps[-1])
         self._legs[bot] = [(leg, _Stand(NOWHERE, points[0], stamps[0], heading))]
         self._stands[bot] = stand
         return stand.waypoint
-
-    def _hold_along(self, start: Point, end: Point, begin: float, until: float, bot: int) -> None:
-        for waypoint in self._nearby.held_along(start, end):
-            self._hold(waypoint, begin, until, bot)
 
     def undo(self, bot: int, now: float) -> None:
         """A bot has not departed on its last leg: it still stands where that begins.
@@ -176,35 +137,13 @@ class Traffic:
         if now + notice_s <= leg.depart:
             self.undo(bot, now)
             return
-        held: set[int] = set()
-        for start, end in self._ways_between(leg, now, now + notice_s):
-            held.update(self._nearby.held_along(start, end))
+        roads = self._roads
+        ways = braking_places(leg, now, now + notice_s, roads.max_speed, roads.max_acceleration)
+        held = {waypoint for start, end in ways for waypoint in self._nearby.held_along(start, end)}
         self._forget(bot)
         self._stands[bot] = stand
         for waypoint in sorted(held):
             self._hold(waypoint, now, math.inf, bot)
-
-    def _ways_between(self, leg: Leg, begin: float, end: float) -> list[tuple[Point, Point]]:
-        """Where a bot on a leg may be if it begins to brake between two times: straight ways."""
-        speed, acceleration = self._roads.max_speed, self._roads.max_acceleration
-        ways = [(leg.points[-1], leg.points[-1])] if end >= leg.arrive else []
-        for k in range(len(leg.points) - 1):
-            (ax, ay), (bx, by) = leg.points[k], leg.points[k + 1]
-            if leg.stamps[k] > end or leg.stamps[k + 1] < begin:
-                continue
-            length = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
-            if length == 0.0:
-                ways.append((leg.points[k], leg.points[k]))
-                continue
-            # a turn comes first; the rest is the run
-            runs_from = leg.stamps[k + 1] - run_time(length, speed, acceleration)
-            first = place_at(begin - runs_from, length, speed, acceleration) / length
-            last = place_at(end - runs_from, length, speed, acceleration) + 0.5 * speed * speed / acceleration
-            last = min(last / length, 1.0)
-            ways.append(
-                ((ax + (bx - ax) * first, ay + (by - ay) * first), (ax + (bx - ax) * last, ay + (by - ay) * last))
-            )
-        return ways
 
     def at(self, bot: int) -> int:
         """The waypoint where a bot stands after all that is planned for it; `NOWHERE` beside the graph."""
@@ -216,14 +155,7 @@ class Traffic:
 
     def conflicts(self, bot: int, now: float) -> list[int]:
         """The bots that hold what a bot holds, at the same time, from now on: they must be stopped."""
-        table = self._table
-        there = np.arange(table.begin.shape[1]) < table.filled[:, None]
-        rows, columns = (there & (table.bot == bot)).nonzero()
-        begin = np.maximum(table.begin[rows, columns], now)[:, None]
-        end = table.end[rows, columns][:, None]
-        bots = table.bot[rows]
-        meet = there[rows] & (bots != bot) & (np.maximum(table.begin[rows], begin) < np.minimum(table.end[rows], end))
-        return sorted(set(bots[meet].tolist()))
+        return conflicts(self._table, bot, now)
 
     # ---- drives ----------------------------------------------------------------------------------------------
 
@@ -262,23 +194,11 @@ class Traffic:
         blocked = self._routes.blocked(loaded, blocked_spots)
         if stand.waypoint == NOWHERE:
             return self._rejoin(bot, goal, ready, loaded, blocked, hurried)
-        edges = self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
-        label, in_time = self._on_way(edges, bot, goal, ready, goal_free, blocked)
-        arrive = float(self._desk.time[label]) if label >= 0 else math.inf
-        if arrive > in_time + PATIENCE_S:
-            worst = math.inf if label < 0 else min(arrive - 0.5 * PATIENCE_S, in_time + 2.0 * PATIENCE_S)
-            other = self._on_any_way(bot, goal, ready, blocked, worst, hurried)
-            if other < 0 and label >= 0:
-                self._routes.find(stand.waypoint, goal, loaded, blocked, self._desk)
-                label, _ = self._on_way(edges, bot, goal, ready, goal_free, blocked)
-            else:
-                label = other
-        if label < 0:
-            return None
-        leg = self._book(bot, label, ready)
-        if leg is not None:
-            return leg
-        return self.plan(bot, goal, earliest, loaded=loaded, blocked_spots=blocked_spots, hurried=hurried)
+        errand = self._routes.errand(stand.waypoint, goal, blocked)
+        rest = _read_only(self._desk.rest)
+        query = Query(bot, stand.waypoint, errand, ready, stand.heading, rest, True, math.inf, _LABELS_ON_WAY)
+        found = self._quickest(query, goal_free, hurried)
+        return None if found is None else self._book(query, found)
 
     def forget_before(self, now: float) -> None:
         """What is over by now need not be remembered; call it from time to time."""
@@ -314,64 +234,53 @@ class Traffic:
         behind = line.index(start) if start in line[first:] else len(line)
         return line[first:behind]
 
-    def _on_way(
-        self, edges: int, bot: int, goal: int, ready: float, goal_free: float, blocked: Mask
-    ) -> tuple[int, float]:
-        """The label at the goal of the way on the desk, -1 for none; and when a bot could be there at best."""
+    def _quickest(self, query: Query, goal_free: float, hurried: bool) -> Found | None:
+        """The drive on the usual way; where it is late or none is left, on any other way that is better."""
+        found, in_time = self._on_way(query, goal_free)
+        arrive = math.inf if found is None else float(found.arrives[-1])
+        if arrive <= in_time + PATIENCE_S:
+            return found
+        worst = math.inf if found is None else min(arrive - 0.5 * PATIENCE_S, in_time + 2.0 * PATIENCE_S)
+        better = self._on_any_way(query, worst, hurried)
+        return found if better is None else better
+
+    def _on_way(self, query: Query, goal_free: float) -> tuple[Found | None, float]:
+        """The drive on the quickest way without traffic; and when a bot could arrive at best."""
+        edges = self._routes.find(query.start, query.errand, self._desk)
         if edges == 0:
-            return -1, ready
-        desk = self._desk
-        rest_of_way(self._roads, desk, edges)
-        label = self._search(bot, goal, ready, desk.rest, True, blocked, math.inf, _LABELS_ON_WAY)
-        return label, max(ready + float(desk.rest[self._stands[bot].waypoint]), goal_free)
+            return None, query.ready
+        rest_of_way(self._roads, self._desk, edges)
+        return self._find(query), max(query.ready + float(query.rest[query.start]), goal_free)
 
-    def _on_any_way(self, bot: int, goal: int, ready: float, blocked: Mask, worst: float, hurried: bool) -> int:
-        times = self._routes.to(goal)[0]
-        if times[self._stands[bot].waypoint] == math.inf:
-            return -1
-        most = _LABELS_FOR_ANY if worst == math.inf and not hurried else _LABELS_FOR_BETTER
-        return self._search(bot, goal, ready, times, False, blocked, worst, most)
-
-    def _search(
-        self,
-        bot: int,
-        goal: int,
-        ready: float,
-        rest: Floats,
-        marked_only: bool,
-        blocked: Mask,
-        worst: float,
-        most: int,
-    ) -> int:
-        stand, desk = self._stands[bot], self._desk
-        label = search(
-            self._roads, self._table, desk, bot, stand.waypoint, goal, ready, stand.heading, rest, marked_only,
-            self.deep, blocked, worst, most,
-        )  # fmt: skip
-        self.looked += int(desk.looked[0])
-        desk.looked[0] = 0
-        return label
-
-    def _book(self, bot: int, label: int, ready: float) -> Leg | None:
-        """Write what leads to a label into the timetable; None where that has only just been made large enough."""
-        stand, roads, desk = self._stands[bot], self._roads, self._desk
-        runs = read_schedule(desk, label, self._table.begin.shape[1] + 1)
-        wait_early(roads, self._table, desk, runs, ready, stand.heading, bot)
-        if book(roads, self._table, desk, runs, ready, stand.heading, self._past, bot) == TABLE_FULL:
-            self._enlarge()
+    def _on_any_way(self, query: Query, worst: float, hurried: bool) -> Found | None:
+        times = self._routes.to(query.errand.goal)[0]
+        if times[query.start] == math.inf:
             return None
-        stops = desk.stop[: runs + 1].tolist()
-        leaves, arrives = desk.leaves[:runs].tolist(), desk.arrives[:runs].tolist()
+        most = _LABELS_FOR_ANY if worst == math.inf and not hurried else _LABELS_FOR_BETTER
+        return self._find(query._replace(rest=times, on_way=False, worst=worst, most=most))
+
+    def _find(self, query: Query) -> Found | None:
+        found = find(self._roads, self._table, self._desk, query)
+        self.looked += int(self._desk.looked[0])
+        self._desk.looked[0] = 0
+        return found
+
+    def _book(self, query: Query, found: Found) -> Leg:
+        """Write a drive into the reservation table."""
+        wait_early(self._roads, self._table, self._desk, query, found)
+        while not book(self._roads, self._table, self._desk, query, found, self._past):
+            self._enlarge()
+        stops, leaves, arrives = found.stops.tolist(), found.leaves.tolist(), found.arrives.tolist()
         waypoints, stamps = [stops[0]], [leaves[0]]
-        for k in range(runs):
+        for k, stop in enumerate(stops[1:]):
             if leaves[k] > stamps[-1]:
                 waypoints.append(stops[k])
                 stamps.append(leaves[k])
-            waypoints.append(stops[k + 1])
+            waypoints.append(stop)
             stamps.append(arrives[k])
         points = tuple([self._points[w] for w in waypoints])
-        leg = Leg(bot, tuple(waypoints), points, tuple(stamps), stamps[0], stamps[-1])
-        self._add_leg(leg, float(roads.heading[desk.run_first[runs - 1]]))
+        leg = Leg(query.bot, tuple(waypoints), points, tuple(stamps), stamps[0], stamps[-1])
+        self._add_leg(leg, float(self._roads.heading[found.edges[-1]]))
         return leg
 
     def _add_leg(self, leg: Leg, heading: float) -> None:
@@ -435,3 +344,10 @@ class Traffic:
     def _enlarge(self) -> None:
         self._table = larger(self._table)
         self._desk = make_desk(self._roads, self._table.begin.shape[1])
+
+
+def _read_only(array: Floats) -> Floats:
+    """A view like those that `Routes` hands out, so that the search need be compiled only once."""
+    view = array.view()
+    view.flags.writeable = False
+    return view

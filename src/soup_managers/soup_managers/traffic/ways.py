@@ -2,34 +2,43 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from soup_managers.heap import drop_first, push
-from soup_managers.traffic.roads import ENTRY, FORWARD, LANE, SPOT
+from soup_managers.traffic.roads import ENTRY, FORWARD, LANE, SPOT, Mask
 from soup_managers.traffic.runs import turn_time
 from soup_msgs_py.kernel import kernel, maker
 
 
-@kernel
-def usable(roads, edge, goal, start_line, deep, blocked):
-    """Whether a bot on its way to a goal may drive along an edge.
+class Errand(NamedTuple):
+    """What decides which edges a bot may use.
 
-    Args:
-        roads: The graph.
-        edge: The edge.
-        goal: Where the bot goes.
-        start_line: The station line in which it started, -1 for none.
+    Attributes:
+        goal: Where it goes, -1 for anywhere.
+        start_line: The station line in which it starts, -1 for none.
         deep: Whether bots may pass through storage spots.
         blocked: The spots through which this one may not, shape (n,).
     """
-    kind, head = roads.kind[edge], roads.head[edge]
+
+    goal: int
+    start_line: int
+    deep: bool
+    blocked: Mask
+
+
+@kernel
+def usable(roads, edge, errand):
+    """Whether a bot on an errand may drive along an edge."""
+    kind, head, goal = roads.kind[edge], roads.head[edge], errand.goal
     if kind == LANE:
         return True
     if kind == SPOT:
-        return head == goal or (deep and not blocked[head])
+        return head == goal or (errand.deep and not errand.blocked[head])
     line = roads.line[head]
     if kind == FORWARD:
-        if line == start_line:
+        if line == errand.start_line:
             return True
         return goal >= 0 and line == roads.line[goal] and roads.line_place[head] >= roads.line_place[goal]
     return kind == ENTRY and goal >= 0 and line == roads.line[goal]
@@ -64,7 +73,7 @@ def tree_to(roads, goal, deep, blocked):
         for k in range(roads.into[node], roads.into[node + 1]):
             edge = roads.into_edge[k]
             tail = roads.tail[edge]
-            if usable(roads, edge, goal, roads.line[tail], deep, blocked):
+            if usable(roads, edge, Errand(goal, roads.line[tail], deep, blocked)):
                 there = key + roads.pace[edge]
                 if node != goal:
                     there += stop_time(roads, edge, first[node])
@@ -96,7 +105,8 @@ def tree_from(roads, start, deep, blocked):
             continue
         for edge in range(roads.out[node], roads.out[node + 1]):
             head = roads.head[edge]
-            if usable(roads, edge, head if roads.kind[edge] == SPOT else -1, roads.line[start], deep, blocked):
+            goal = head if roads.kind[edge] == SPOT else -1
+            if usable(roads, edge, Errand(goal, roads.line[start], deep, blocked)):
                 there = key + roads.pace[edge]
                 if node != start:
                     there += stop_time(roads, last[node], edge)
@@ -148,12 +158,12 @@ def least_time(roads, place, goal, square):
 
 
 @kernel
-def find_way(roads, start, goal, deep, blocked, square, desk, way):
-    """Write the edges of a quickest way (A*) into `way`; how many there are, 0 for no way."""
+def find_way(roads, start, errand, square, desk):
+    """Write the edges of a quickest way (A*) into `desk.way`; how many there are, 0 for no way."""
     desk.round[0] += 1
     now = desk.round[0]
     seen, time, last, keys, nodes = desk.seen, desk.time, desk.parent, desk.keys, desk.items
-    start_line = roads.line[start]
+    goal = errand.goal
     seen[start], time[start], last[start] = now, 0.0, -1
     keys[0], nodes[0], size = 0.0, start, 1
     while size > 0:
@@ -161,11 +171,11 @@ def find_way(roads, start, goal, deep, blocked, square, desk, way):
         drop_first(keys, nodes, size)
         size -= 1
         if node == goal:
-            return follow_back(roads, start, goal, last, way)
+            return follow_back(roads, start, goal, last, desk.way)
         if key > time[node] + least_time(roads, node, goal, square) + 1e-9:
             continue
         for edge in range(roads.out[node], roads.out[node + 1]):
-            if not usable(roads, edge, goal, start_line, deep, blocked):
+            if not usable(roads, edge, errand):
                 continue
             head = roads.head[edge]
             there = time[node] + roads.pace[edge]
