@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from soup_msgs_py.kernel import kernel
 
+CELL_M = 12.0  # much smaller or larger cells cost time
+
 
 @kernel
 def cell_of(value: float, size: float, count: int) -> int:

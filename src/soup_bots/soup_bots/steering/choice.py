@@ -8,9 +8,11 @@ distance that should be kept, and where it really is, as seen from the bot.
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 from soup_bots.steering.geometry import FAR, TURNS, time_to_touch_until
 from soup_msgs_py.kernel import inlined, kernel
+from soup_msgs_py.messages import Floats
 
 X, Y, VX, VY, KEEPS, TOUCH, KEPT, DX, DY = range(9)
 COLUMNS = 9
@@ -23,6 +25,42 @@ CHANGE_COST = 0.15
 LEFT_COST = 0.06
 
 
+class Mover(NamedTuple):
+    """A bot's place (m) and velocity (m/s)."""
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+
+
+class Way(NamedTuple):
+    """Driving somewhere as one constant velocity: where it seems to start, see `lag`, and for how many seconds."""
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    keeps_s: float
+
+
+class Wish(NamedTuple):
+    """The velocity that is wanted (m/s), and its direction, which it has even if it is 0."""
+
+    vx: float
+    vy: float
+    dir_x: float
+    dir_y: float
+
+
+class Discs(NamedTuple):
+    """What is in a bot's way: the first rows of `near`, and how far ahead each is minded (s)."""
+
+    near: Floats
+    horizon: Floats
+    rows: int
+
+
 @inlined
 def lag(vx, vy, wx, wy, max_a):
     """How far a bot falls behind a constant (wx, wy) while it accelerates to it (equations 3 to 5)."""
@@ -32,41 +70,42 @@ def lag(vx, vy, wx, wy, max_a):
 
 
 @kernel
-def way_to(px, py, vx, vy, gx, gy, dir_x, dir_y, speed, max_a):
-    """Driving to (gx, gy) as one constant velocity: where it seems to start, the velocity, for how many seconds."""
-    lag_x, lag_y = lag(vx, vy, dir_x * speed, dir_y * speed, max_a)
-    sx, sy = px + lag_x, py + lag_y
+def way_to(me, gx, gy, dir_x, dir_y, speed, max_a):
+    """The way to (gx, gy), for a bot that sets out in a direction."""
+    lag_x, lag_y = lag(me.vx, me.vy, dir_x * speed, dir_y * speed, max_a)
+    sx, sy = me.x + lag_x, me.y + lag_y
     dx, dy = gx - sx, gy - sy
     dist = math.sqrt(dx * dx + dy * dy)
     if dist < 1e-9:
-        return sx, sy, 0.0, 0.0, 0.0
-    return sx, sy, dx / dist * speed, dy / dist * speed, dist / speed
+        return Way(sx, sy, 0.0, 0.0, 0.0)
+    return Way(sx, sy, dx / dist * speed, dy / dist * speed, dist / speed)
 
 
 @kernel
-def short_way(px, py, vx, vy, gx, gy, sx, sy, wx, wy, keeps_s, max_v, max_a, slow):
+def short_way(me, gx, gy, way, max_v, max_a, slow):
     """The same for a way too short to bend into: the bot brakes first where it moves elsewhere, and starts anew.
 
     Returns:
-        Whether that is the case, and the way; the given one (sx ... keeps_s) if the bot is on it already.
+        Whether that is the case, and the way; the given one if the bot is on it already.
     """
-    speed = math.sqrt(vx * vx + vy * vy)
-    dx, dy = gx - px, gy - py
+    speed = math.sqrt(me.vx * me.vx + me.vy * me.vy)
+    dx, dy = gx - me.x, gy - me.y
     dist = math.sqrt(dx * dx + dy * dy)
-    if speed > slow and vx * dx + vy * dy > 0.999 * speed * dist:
-        return False, sx, sy, wx, wy, keeps_s
-    px, py = px + vx * speed / (2.0 * max_a), py + vy * speed / (2.0 * max_a)
+    if speed > slow and me.vx * dx + me.vy * dy > 0.999 * speed * dist:
+        return False, way
+    # where it stands when it has braked, and the run from there (equation 6)
+    px, py = me.x + me.vx * speed / (2.0 * max_a), me.y + me.vy * speed / (2.0 * max_a)
     dx, dy = gx - px, gy - py
     dist = math.sqrt(dx * dx + dy * dy)
     if dist < 1e-6:
-        return True, px, py, 0.0, 0.0, 0.0
+        return True, Way(px, py, 0.0, 0.0, 0.0)
     if dist < max_v * max_v / max_a:
         rest_to_rest = 2.0 * math.sqrt(dist / max_a)
     else:
         rest_to_rest = dist / max_v + max_v / max_a
     wx, wy = dx / rest_to_rest, dy / rest_to_rest
     brakes = speed / max_a
-    return True, px - wx * brakes, py - wy * brakes, wx, wy, rest_to_rest + brakes
+    return True, Way(px - wx * brakes, py - wy * brakes, wx, wy, rest_to_rest + brakes)
 
 
 @inlined
@@ -93,52 +132,55 @@ def closing_speed(near, k, wx, wy):
 
 
 @kernel
-def clear_for(near, horizon, count, px, py, wx, wy, keeps_s):
-    """Seconds until a bot comes too near to one of `near[:count]`, FAR: not within its horizon; and which one.
+def clear_for(discs, way):
+    """Seconds until a bot on a way comes too near to a disc, FAR: not within its horizon; and which one.
 
-    The bot drives from (px, py), where it seems to start (see `lag`), at (wx, wy) for `keeps_s` and stands then.
+    At the end of the way it stands.
     """
+    near = discs.near
     worst, which = FAR, -1
-    for k in range(count):
-        if closing_speed(near, k, wx, wy) > 0.0:
+    for k in range(discs.rows):
+        if closing_speed(near, k, way.vx, way.vy) > 0.0:
             return 0.0, k
         t = time_to_touch_until(
-            near[k, X] - px, near[k, Y] - py, wx, wy, keeps_s,
+            near[k, X] - way.x, near[k, Y] - way.y, way.vx, way.vy, way.keeps_s,
             near[k, VX], near[k, VY], near[k, KEEPS], near[k, KEPT], LINGER_S,
         )  # fmt: skip
-        if t < horizon[k] and t < worst:
+        if t < discs.horizon[k] and t < worst:
             worst, which = t, k
     return worst, which
 
 
 @kernel
-def clear_after(near, horizon, count, px, py, to_x, to_y, speed, wait_s):
+def clear_after(discs, px, py, to_x, to_y, speed, wait_s):
     """The same for the leg of a route that begins in `wait_s` seconds at (px, py) and leads to (to_x, to_y)."""
+    near = discs.near
     dx, dy = to_x - px, to_y - py
     dist = math.sqrt(dx * dx + dy * dy)
     if dist < 1e-9:
         return FAR
     wx, wy = dx / dist * speed, dy / dist * speed
     worst = FAR
-    for k in range(count):
+    for k in range(discs.rows):
         moves_s = min(wait_s, near[k, KEEPS])
         t = time_to_touch_until(
             near[k, X] + near[k, VX] * moves_s - px, near[k, Y] + near[k, VY] * moves_s - py, wx, wy, dist / speed,
             near[k, VX], near[k, VY], near[k, KEEPS] - moves_s, near[k, KEPT], LINGER_S,
         )  # fmt: skip
-        if t + wait_s < horizon[k] and t < worst:
+        if t + wait_s < discs.horizon[k] and t < worst:
             worst = t
     return worst
 
 
 @kernel
-def danger(near, horizon, count, px, py, wx, wy, enough):
+def danger(discs, px, py, wx, wy, enough):
     """What a constant velocity (wx, wy) costs because of what it would touch, or nearly touch.
 
     No more than `enough` need be known. The bot seems to start at (px, py), see `lag`.
     """
+    near, horizon = discs.near, discs.horizon
     touch_s, near_s, push = FAR, FAR, 0.0
-    for k in range(count):
+    for k in range(discs.rows):
         pressed = closing_speed(near, k, wx, wy)
         if pressed > 0.0:
             touch_s = 0.0
@@ -165,26 +207,27 @@ def danger(near, horizon, count, px, py, wx, wy, enough):
 
 
 @kernel
-def stays_clear(count, near, horizon, px, py, vx, vy, wx, wy, max_a, floor):
+def stays_clear(discs, me, wx, wy, max_a, floor):
     """Whether a bot that keeps on driving at (wx, wy) comes too near to nothing, and stays on the floor."""
-    if (wx == 0.0 and wy == 0.0) or leaves_floor(px, py, wx, wy, floor):
+    if (wx == 0.0 and wy == 0.0) or leaves_floor(me.x, me.y, wx, wy, floor):
         return False
-    lag_x, lag_y = lag(vx, vy, wx, wy, max_a)
-    return clear_for(near, horizon, count, px + lag_x, py + lag_y, wx, wy, FAR)[0] == FAR
+    lag_x, lag_y = lag(me.vx, me.vy, wx, wy, max_a)
+    return clear_for(discs, Way(me.x + lag_x, me.y + lag_y, wx, wy, FAR))[0] == FAR
 
 
 @kernel
-def keep_reachable(near, horizon, count, first, max_v):
-    """Move the discs that could be touched within their horizon at all to the front of `near`; how many they are.
+def keep_reachable(discs, first, max_v):
+    """Move the discs that could be touched within their horizon at all to the front; how many they are.
 
     Disc `first` comes first: it spoils most velocities, and the sooner that is known the better.
     """
+    near, horizon = discs.near, discs.horizon
     if first > 0:
         for c in range(COLUMNS):
             near[0, c], near[first, c] = near[first, c], near[0, c]
         horizon[0], horizon[first] = horizon[first], horizon[0]
     kept = 0
-    for k in range(count):
+    for k in range(discs.rows):
         other = math.sqrt(near[k, VX] * near[k, VX] + near[k, VY] * near[k, VY])
         reach = (max_v + other) * horizon[k] + near[k, KEPT]
         if near[k, DX] * near[k, DX] + near[k, DY] * near[k, DY] <= reach * reach:
@@ -197,10 +240,11 @@ def keep_reachable(near, horizon, count, first, max_v):
 
 
 @kernel
-def best_velocity(count, near, horizon, px, py, vx, vy, wx, wy, dir_x, dir_y, last_x, last_y, max_v, max_a, floor):
-    """The best candidate around the wanted velocity (wx, wy), whose direction is (dir_x, dir_y).
+def best_velocity(discs, me, wish, last_x, last_y, max_v, max_a, floor):
+    """The candidate that costs least: what it may touch, and how far it is from what is wanted and from the last one.
 
-    `floor` holds the least and the greatest x, and y, that the bot may get to.
+    Candidates are the wanted direction turned by a table of angles, at full and at half speed; standing; and the
+    wanted velocity itself.
     """
     best_cost = FAR
     best_x, best_y = 0.0, 0.0
@@ -209,26 +253,24 @@ def best_velocity(count, near, horizon, px, py, vx, vy, wx, wy, dir_x, dir_y, la
         if c == 2 * len(TURNS):
             cx, cy = 0.0, 0.0
         elif c > 2 * len(TURNS):
-            cx, cy = wx, wy
+            cx, cy = wish.vx, wish.vy
         else:
             turn = c >> 1
             speed = max_v if c & 1 == 0 else 0.5 * max_v
             co, si = TURNS[turn, 0], TURNS[turn, 1]
-            cx = (dir_x * co - dir_y * si) * speed
-            cy = (dir_x * si + dir_y * co) * speed
+            cx = (wish.dir_x * co - wish.dir_y * si) * speed
+            cy = (wish.dir_x * si + wish.dir_y * co) * speed
             if si > 0.0:
                 side = LEFT_COST
-            if leaves_floor(px, py, cx, cy, floor):
+            if leaves_floor(me.x, me.y, cx, cy, floor):
                 continue
-        ex, ey = cx - wx, cy - wy
+        ex, ey = cx - wish.vx, cy - wish.vy
         hx, hy = cx - last_x, cy - last_y
         cost = side + (math.sqrt(ex * ex + ey * ey) + CHANGE_COST * math.sqrt(hx * hx + hy * hy)) / max_v
         if cost >= best_cost:
             continue
-        lag_x, lag_y = lag(vx, vy, cx, cy, max_a)
-        cost += danger(
-            near, horizon, count, px + lag_x, py + lag_y, cx, cy, FAR if best_cost == FAR else best_cost - cost
-        )
+        lag_x, lag_y = lag(me.vx, me.vy, cx, cy, max_a)
+        cost += danger(discs, me.x + lag_x, me.y + lag_y, cx, cy, FAR if best_cost == FAR else best_cost - cost)
         if cost < best_cost - 1e-9:
             best_cost, best_x, best_y = cost, cx, cy
     return best_x, best_y
