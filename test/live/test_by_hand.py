@@ -1,9 +1,13 @@
-"""A person drives one bot from a program of their own: cmd_vel, grab, transfer, release."""
+"""A person drives one bot from a program of their own: cmd_vel, grab, transfer, release, the drive action."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
-from soup_msgs import msg, srv
+from geometry_msgs.msg import Point
+from rclpy.action import ActionClient
+from soup_msgs import action, msg, srv
 from std_srvs.srv import SetBool
 
 from .conftest import Parts
@@ -53,6 +57,43 @@ def test_a_person_fetches_a_bucket_serves_a_word_and_brings_the_bucket_back(part
         granted(person.call(srv.Release, "/bot_0/release"))
         person.wait(lambda: person.heard["/world/buckets"].bot[0] == -1, "the bucket rests")
         person.wait(lambda: person.heard["/bot_0/status"].phase == "idle", "the bot stands idle")
+    parts.interrupt(bot)
+    parts.interrupt(world)
+    assert (bot.returncode, world.returncode) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("policy", "reason"),
+    [
+        ("straight", "stands after a collision until its penalty is over"),
+        ("evade", "waits for bot 1, whose turn it is at its goal"),
+    ],
+)
+def test_a_drive_that_waits_says_what_for_until_it_is_cancelled(parts: Parts, policy: str, reason: str):
+    world = parts.start("run_world.py", "--set", "bots=2", "--set", "buckets=1")
+    bot = parts.start("run_bots.py", "0", "--policy", policy)  # nobody moves bot 1
+    with Person() as person:
+        person.listen(msg.Bots, "/world/bots")
+        person.listen(msg.BotStatus, "/bot_0/status", latched=True)
+        person.wait(lambda: "/bot_0/status" in person.heard, "the bot is there")
+        told: list[action.Drive.Feedback] = []
+        client = ActionClient(person.node, action.Drive, "/bot_0/drive")
+        person.wait(client.server_is_ready, "somebody serves /bot_0/drive")
+        x, y = person.place(1)
+        goal = action.Drive.Goal(points=[Point(x=x, y=y)])
+        accepted: Any = client.send_goal_async(goal, lambda message: told.append(message.feedback))
+        person.wait(accepted.done, "the goal is answered")
+        waits = f"drives to ({x:.1f}, {y:.1f}); {reason}"
+        person.wait(lambda: any(feedback.message == waits for feedback in told), f"the drive says: {waits}")
+        assert {feedback.phase for feedback in told} == {"driving"}
+        handle: Any = accepted.result()
+        assert handle.accepted
+        result: Any = handle.get_result_async()
+        handle.cancel_goal_async()
+        person.wait(result.done, "the drive ends")
+        assert (result.result().result.success, result.result().result.code) == (False, "cancelled")
+        person.wait(lambda: person.heard["/bot_0/status"].phase == "idle", "the bot stands idle")
+        client.destroy()
     parts.interrupt(bot)
     parts.interrupt(world)
     assert (bot.returncode, world.returncode) == (0, 0)
