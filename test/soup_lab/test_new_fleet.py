@@ -44,21 +44,21 @@ def take_over(run: Headless, pause_s: float, policies: Policies = POLICIES) -> N
     """Kill the fleet manager; after a while, during which bots do what they were asked for, there is another one."""
     world = run.world
     nobody: Any = Nobody()
-    tasks, run.fleet = run.fleet.tasks(), nobody
-    run._all = (run.word, run.letter, run.fleet, run.crew)
+    tasks = run.fleet.tasks()
+    run.replace("fleet", nobody)
     run.run(world.now + pause_s)
     policy = make_minds(policies).fleet
     view = WarehouseView(world.scenario, world.layout)
     fleet = make_fleet(world.scenario, world.layout, policy, view, np.random.default_rng(1))
-    run.fleet, run._all = fleet, (run.word, run.letter, fleet, run.crew)
-    run._say(fleet, fleet.handle(world.snapshot(), world.now))
+    run.replace("fleet", fleet)
+    said = fleet.handle(world.snapshot(), world.now)
     for mind in run.crew.minds.values():
-        run._say(fleet, fleet.handle(mind._status(world.now), world.now))
+        said += fleet.handle(mind._status(world.now), world.now)
+    run.say(fleet, said)
     for task in tasks:
         manager = run.word if task.kind == m.DELIVER else run.letter
         gone = m.TaskResult(task.kind, task.task, Code.STOPPED, "the fleet manager is gone")
-        run._say(manager, manager.handle(gone, world.now))
-    run._carry()
+        run.tell(manager, gone)
 
 
 def demo(bots: int, seed: int, on_event: Callable[[m.Event], None] | None = None) -> Headless:
@@ -98,8 +98,7 @@ def test_nobody_runs_into_those_whom_somebody_else_has_stopped_on_their_way(seed
     for k in range(1, 13):
         run.run(20.0 * k)
         for bot, mind in run.crew.minds.items():
-            run._say(run.crew, run.crew.handle(m.CancelDrive(bot, mind._drive), run.world.now))
-        run._carry()
+            run.tell(run.crew, m.CancelDrive(bot, mind._drive))
     run.run(400.0)
     all_is_well(run)
 
@@ -242,8 +241,7 @@ def test_bots_that_drive_for_an_earlier_fleet_may_die_once_more():
         assert adopted
         for robot in adopted:
             gone = m.DriveResult(robot.number, robot.order, Code.STOPPED, "who was asked is gone")
-            run._say(run.fleet, run.fleet.handle(gone, run.world.now))
-        run._carry()
+            run.tell(run.fleet, gone)
     run.run(400.0)
     figures = run.world.statistics()
     assert figures["bot_collisions"] == figures["bucket_collisions"] == 0

@@ -75,8 +75,7 @@ def test_no_bucket_is_set_down_where_a_storage_spot_was_taken_away():
     rng = np.random.default_rng(3)
     spots = run.world.layout.storage_spots.tolist()
     for spot in rng.permutation(spots).tolist():
-        run._say(run.world, run.world.handle(m.SetStorageSpot(spot, False)))
-        run._carry()
+        run.tell(run.world, m.SetStorageSpot(spot, False))
     removed = {event.waypoint for event in run.events if event.type is EventType.SPOT_REMOVED}
     assert len(removed) > 3
     run.run(600.0)
@@ -88,8 +87,7 @@ def test_no_bucket_is_set_down_where_a_storage_spot_was_taken_away():
     assert sum(event.type is EventType.WORD_COMPLETED for event in run.events if event.time > 300.0) > 20
     # and one that is made again is used again
     for spot in removed:
-        run._say(run.world, run.world.handle(m.SetStorageSpot(spot, True)))
-    run._carry()
+        run.tell(run.world, m.SetStorageSpot(spot, True))
     run.run(1200.0)
     assert places & {
         (round(e.x, 3), round(e.y, 3)) for e in run.events if e.type is EventType.RELEASED and e.time > 600

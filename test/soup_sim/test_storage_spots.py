@@ -209,7 +209,7 @@ def test_a_trip_to_a_spot_that_a_person_has_taken_away_ends_on_another_one(wareh
             if world.buckets().bot[bucket] >= 0 and taken < 3:
                 for waypoint in set(world.snapshot().storage_spots):
                     if run.fleet.view.spot_of[bucket] == waypoint and waypoint not in run.fleet.view.bucket_on:
-                        run._say(world, world.handle(m.SetStorageSpot(waypoint, False)))
+                        run.tell(world, m.SetStorageSpot(waypoint, False))
                         taken += 1
     run.run(now + 300.0)
     assert world.statistics()["releases"] > 30

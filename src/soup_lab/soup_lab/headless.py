@@ -21,6 +21,7 @@ from soup_managers.word_manager import WordManager
 from soup_msgs_py import messages as m
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, load_policy
+from soup_msgs_py.routing import ROUTES, Hearer
 from soup_msgs_py.scenario import Scenario
 from soup_sim.world import World
 
@@ -93,6 +94,27 @@ class Headless:
             self._say(mind, mind.handle(snapshot, world.now))
         self._carry()
 
+    def replace(self, role: str, mind: Any) -> None:
+        """Put another mind in the place of one, which is told nothing of what was before.
+
+        Args:
+            role: `word`, `letter`, `fleet` or `crew`.
+            mind: The other one.
+        """
+        setattr(self, role, mind)
+        self._all = (self.word, self.letter, self.fleet, self.crew)
+
+    def tell(self, hearer: Any, message: Message) -> None:
+        """Hand a message to a mind or to the world, and carry all that follows from it at this instant."""
+        is_world = hearer is self.world
+        self._say(hearer, hearer.handle(message) if is_world else hearer.handle(message, self.world.now))
+        self._carry()
+
+    def say(self, speaker: Any, messages: list[Message]) -> None:
+        """Carry what a mind or the world has said outside of a run, and all that follows from it at this instant."""
+        self._say(speaker, messages)
+        self._carry()
+
     @property
     def mistakes(self) -> dict[str, int]:
         """What policies chose that cannot be, and how often."""
@@ -156,39 +178,29 @@ class Headless:
         queue, now, world = self._queue, self.world.now, self.world
         while queue:
             speaker, message = queue.popleft()
-            kind = type(message)
-            if kind is m.Event:
-                if self._on_event is not None:
-                    self._on_event(message)
-                self._say(self.word, self.word.handle(message, now))
-                self._say(self.letter, self.letter.handle(message, now))
-                self._say(self.fleet, self.fleet.handle(message, now))
-                if message.type in FOR_BOTS:
-                    self._say(self.crew, self.crew.handle(message, now))
-            elif kind in _TO_WORLD:
-                answers = world.handle(message)
-                if kind in _ANSWERED_AT_ONCE:
-                    for answer in answers:
+            route = ROUTES.get(type(message))
+            match route.hearer if route is not None else None:
+                case Hearer.ALL:
+                    if self._on_event is not None:
+                        self._on_event(message)
+                    for mind in (self.word, self.letter, self.fleet):
+                        self._say(mind, mind.handle(message, now))
+                    if message.type in FOR_BOTS:
+                        self._say(self.crew, self.crew.handle(message, now))
+                case Hearer.WORLD:
+                    for answer in world.handle(message):
                         if type(answer) is m.Reply:
                             self._say(speaker, speaker.handle(answer, now))
                         else:
                             queue.append((world, answer))
-                else:
-                    self._say(world, answers)
-            elif kind in _TO_CREW:
-                self._say(self.crew, self.crew.handle(message, now))
-            elif kind in _TO_FLEET:
-                self._say(self.fleet, self.fleet.handle(message, now))
-            elif kind is m.Bound:
-                self._say(self.word, self.word.handle(message, now))
-            elif kind is m.TaskFeedback or kind is m.TaskResult:
-                manager = self.word if message.kind == m.DELIVER else self.letter
-                self._say(manager, manager.handle(message, now))
-
-
-_ANSWERED_AT_ONCE = frozenset({m.AssignWord, m.AssignBundle, m.SetStorageSpot})
-_TO_WORLD = _ANSWERED_AT_ONCE | {m.SetVelocity, m.SetVelocities, m.FollowPath, m.Grab, m.Release, m.Transfer}
-_TO_CREW = frozenset({m.BotReply, m.TripGoal, m.CancelTrip, m.DriveGoal, m.CancelDrive})
-_TO_FLEET = frozenset(
-    {m.BotStatus, m.TripFeedback, m.TripResult, m.DriveResult, m.DeliverGoal, m.StoreGoal, m.CancelTask}
-)
+                case Hearer.CREW:
+                    self._say(self.crew, self.crew.handle(message, now))
+                case Hearer.FLEET:
+                    self._say(self.fleet, self.fleet.handle(message, now))
+                case Hearer.WORD:
+                    self._say(self.word, self.word.handle(message, now))
+                case Hearer.ASKER:
+                    manager = self.word if message.kind == m.DELIVER else self.letter
+                    self._say(manager, manager.handle(message, now))
+                case None:
+                    pass

@@ -1,0 +1,30 @@
+"""Whatever a mind or the world may say has a way to somebody."""
+
+from __future__ import annotations
+
+from dataclasses import is_dataclass
+
+from soup_msgs_py import messages as m
+from soup_msgs_py.routing import ROUTES, Hearer
+
+# what nodes say to each other, or to people, without a mind in between
+OF_SHELLS = {
+    m.Beat, m.Heard, m.Charge, m.Tasks, m.Bots, m.Buckets, m.Stations, m.Reply, m.WorldState, m.BotGone,
+    m.DriveFeedback,
+}  # fmt: skip
+PARTS = {
+    m.TileMove, m.Visit, m.Trip, m.TaskState, m.Word, m.Bundle, m.WordStationState, m.LetterStationState,
+}  # fmt: skip
+
+
+def test_each_message_has_one_way_or_is_told_by_the_shells_or_is_part_of_another():
+    kinds = {kind for kind in vars(m).values() if is_dataclass(kind) and kind.__module__ == m.__name__}
+    assert kinds == ROUTES.keys() | OF_SHELLS | PARTS
+    assert not ROUTES.keys() & OF_SHELLS
+    assert {route.hearer for route in ROUTES.values()} == set(Hearer)
+    assert all(route.name.startswith("/") for route in ROUTES.values())
+
+
+def test_a_fleet_takes_what_is_said_to_it():
+    to_fleet = {kind for kind, route in ROUTES.items() if route.hearer is Hearer.FLEET}
+    assert {m.DeliverGoal, m.StoreGoal, m.CancelTask, m.BotStatus} < to_fleet
