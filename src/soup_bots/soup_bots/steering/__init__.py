@@ -1,4 +1,16 @@
-"""How bots avoid each other on their way. Extend `Steering` for your own."""
+"""How bots avoid each other on their way: local collision avoidance. Extend `Steering` for your own.
+
+| module | holds |
+|---|---|
+| `base` | `Steering`, the class to extend, and what it is shown and says |
+| `straight` | `Straight`: never evades |
+| `evade` | `Evade`: the minimal evading of the paper; the other modules are its compiled kernels |
+| `rows` | the loop over bots: look around, choose where to go, give way |
+| `looking` | what is around one bot, and what it is about to do |
+| `choice` | is a way clear, and if not, which of some sampled velocities is best (velocity obstacles) |
+| `waiting` | who is on the end of a route, and where to wait for it |
+| `geometry`, `cells`, `arrays` | when discs touch; discs sorted into cells; the tuples of arrays that kernels share |
+"""
 
 from soup_bots.steering.base import FOLLOW, VELOCITY, Limits, Me, Neighbour, Steer, Steering, SteerView
 from soup_bots.steering.evade import Evade

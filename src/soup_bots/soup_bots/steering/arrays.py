@@ -96,8 +96,8 @@ class Norms(NamedTuple):
 
     Attributes:
         radius: Of a bot (m).
-        max_v: V (m/s).
-        max_a: A (m/s2).
+        V: Maximum speed (m/s).
+        A: Maximum acceleration (m/s2).
         period: Between two calls (s).
         width: Of the floor (m).
         height: As above.
@@ -119,8 +119,8 @@ class Norms(NamedTuple):
     """
 
     radius: float
-    max_v: float
-    max_a: float
+    V: float
+    A: float
     period: float
     width: float
     height: float
@@ -153,8 +153,8 @@ def make_norms(
     hold = 1.5 * touch_loaded + 0.2 * radius
     return Norms(
         radius=radius,
-        max_v=V,
-        max_a=limits.max_acceleration_mps2,
+        V=V,
+        A=limits.max_acceleration_mps2,
         period=limits.period_s,
         width=limits.width_m,
         height=limits.height_m,

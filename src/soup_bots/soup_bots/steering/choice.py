@@ -1,8 +1,9 @@
 """The compiled heart of `Evade`: is the way clear for a bot, and if not, which velocity is best.
 
-What a bot has in its way is held in `near`, one row a disc: where it is (as if it had its new velocity already, see
-`lag`), its velocity, for how many seconds it keeps it, the distance of the centres at which the two touch, the
-distance that should be kept, and where it really is, as seen from the bot.
+Velocities are sampled and judged by when they would touch something: velocity obstacles, with the accelerations of
+equations 2 to 5 taken as a lag. What a bot has in its way is held in `near`, one row a disc: where it is (as if it had
+its new velocity already, see `lag`), its velocity, for how many seconds it keeps it, the distance of the centres at
+which the two touch, the distance that should be kept, and where it really is, as seen from the bot.
 """
 
 from __future__ import annotations
@@ -62,17 +63,17 @@ class Discs(NamedTuple):
 
 
 @inlined
-def lag(vx, vy, wx, wy, max_a):
+def lag(vx, vy, wx, wy, A):
     """How far a bot falls behind a constant (wx, wy) while it accelerates to it (equations 3 to 5)."""
     ax, ay = wx - vx, wy - vy
-    share = 0.5 * math.sqrt(ax * ax + ay * ay) / max_a
+    share = 0.5 * math.sqrt(ax * ax + ay * ay) / A
     return -ax * share, -ay * share
 
 
 @kernel
-def way_to(me, gx, gy, dir_x, dir_y, speed, max_a):
+def way_to(me, gx, gy, dir_x, dir_y, speed, A):
     """The way to (gx, gy), for a bot that sets out in a direction."""
-    lag_x, lag_y = lag(me.vx, me.vy, dir_x * speed, dir_y * speed, max_a)
+    lag_x, lag_y = lag(me.vx, me.vy, dir_x * speed, dir_y * speed, A)
     sx, sy = me.x + lag_x, me.y + lag_y
     dx, dy = gx - sx, gy - sy
     dist = math.sqrt(dx * dx + dy * dy)
@@ -82,7 +83,7 @@ def way_to(me, gx, gy, dir_x, dir_y, speed, max_a):
 
 
 @kernel
-def short_way(me, gx, gy, way, max_v, max_a, slow):
+def short_way(me, gx, gy, way, V, A, slow):
     """The same for a way too short to bend into: the bot brakes first where it moves elsewhere, and starts anew.
 
     Returns:
@@ -94,17 +95,17 @@ def short_way(me, gx, gy, way, max_v, max_a, slow):
     if speed > slow and me.vx * dx + me.vy * dy > 0.999 * speed * dist:
         return False, way
     # where it stands when it has braked, and the run from there (equation 6)
-    px, py = me.x + me.vx * speed / (2.0 * max_a), me.y + me.vy * speed / (2.0 * max_a)
+    px, py = me.x + me.vx * speed / (2.0 * A), me.y + me.vy * speed / (2.0 * A)
     dx, dy = gx - px, gy - py
     dist = math.sqrt(dx * dx + dy * dy)
     if dist < 1e-6:
         return True, Way(px, py, 0.0, 0.0, 0.0)
-    if dist < max_v * max_v / max_a:
-        rest_to_rest = 2.0 * math.sqrt(dist / max_a)
+    if dist < V * V / A:
+        rest_to_rest = 2.0 * math.sqrt(dist / A)
     else:
-        rest_to_rest = dist / max_v + max_v / max_a
+        rest_to_rest = dist / V + V / A
     wx, wy = dx / rest_to_rest, dy / rest_to_rest
-    brakes = speed / max_a
+    brakes = speed / A
     return True, Way(px - wx * brakes, py - wy * brakes, wx, wy, rest_to_rest + brakes)
 
 
@@ -207,16 +208,16 @@ def danger(discs, px, py, wx, wy, enough):
 
 
 @kernel
-def stays_clear(discs, me, wx, wy, max_a, floor):
+def stays_clear(discs, me, wx, wy, A, floor):
     """Whether a bot that keeps on driving at (wx, wy) comes too near to nothing, and stays on the floor."""
     if (wx == 0.0 and wy == 0.0) or leaves_floor(me.x, me.y, wx, wy, floor):
         return False
-    lag_x, lag_y = lag(me.vx, me.vy, wx, wy, max_a)
+    lag_x, lag_y = lag(me.vx, me.vy, wx, wy, A)
     return clear_for(discs, Way(me.x + lag_x, me.y + lag_y, wx, wy, FAR))[0] == FAR
 
 
 @kernel
-def keep_reachable(discs, first, max_v):
+def keep_reachable(discs, first, V):
     """Move the discs that could be touched within their horizon at all to the front; how many they are.
 
     Disc `first` comes first: it spoils most velocities, and the sooner that is known the better.
@@ -229,7 +230,7 @@ def keep_reachable(discs, first, max_v):
     kept = 0
     for k in range(discs.rows):
         other = math.sqrt(near[k, VX] * near[k, VX] + near[k, VY] * near[k, VY])
-        reach = (max_v + other) * horizon[k] + near[k, KEPT]
+        reach = (V + other) * horizon[k] + near[k, KEPT]
         if near[k, DX] * near[k, DX] + near[k, DY] * near[k, DY] <= reach * reach:
             if kept != k:
                 for c in range(COLUMNS):
@@ -240,7 +241,7 @@ def keep_reachable(discs, first, max_v):
 
 
 @kernel
-def best_velocity(discs, me, wish, last_x, last_y, max_v, max_a, floor):
+def best_velocity(discs, me, wish, last_x, last_y, V, A, floor):
     """The candidate that costs least: what it may touch, and how far it is from what is wanted and from the last one.
 
     Candidates are the wanted direction turned by a table of angles, at full and at half speed; standing; and the
@@ -256,7 +257,7 @@ def best_velocity(discs, me, wish, last_x, last_y, max_v, max_a, floor):
             cx, cy = wish.vx, wish.vy
         else:
             turn = c >> 1
-            speed = max_v if c & 1 == 0 else 0.5 * max_v
+            speed = V if c & 1 == 0 else 0.5 * V
             co, si = TURNS[turn, 0], TURNS[turn, 1]
             cx = (wish.dir_x * co - wish.dir_y * si) * speed
             cy = (wish.dir_x * si + wish.dir_y * co) * speed
@@ -266,10 +267,10 @@ def best_velocity(discs, me, wish, last_x, last_y, max_v, max_a, floor):
                 continue
         ex, ey = cx - wish.vx, cy - wish.vy
         hx, hy = cx - last_x, cy - last_y
-        cost = side + (math.sqrt(ex * ex + ey * ey) + CHANGE_COST * math.sqrt(hx * hx + hy * hy)) / max_v
+        cost = side + (math.sqrt(ex * ex + ey * ey) + CHANGE_COST * math.sqrt(hx * hx + hy * hy)) / V
         if cost >= best_cost:
             continue
-        lag_x, lag_y = lag(me.vx, me.vy, cx, cy, max_a)
+        lag_x, lag_y = lag(me.vx, me.vy, cx, cy, A)
         cost += danger(discs, me.x + lag_x, me.y + lag_y, cx, cy, FAR if best_cost == FAR else best_cost - cost)
         if cost < best_cost - 1e-9:
             best_cost, best_x, best_y = cost, cx, cy

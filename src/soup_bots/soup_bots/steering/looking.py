@@ -101,7 +101,7 @@ def note_bots(i, bots, norms, memory, desk, calls, all_of_them):
 
     What a bot of the same crew is about to do is known; of any other bot, that it keeps its velocity.
     """
-    px, py, max_v, near = bots.x[i], bots.y[i], norms.max_v, desk.near
+    px, py, V, near = bots.x[i], bots.y[i], norms.V, desk.near
     loaded = bots.bucket[i] >= 0
     left, right = cell_of(px - norms.reach, CELL_M, norms.columns), cell_of(px + norms.reach, CELL_M, norms.columns)
     low, high = cell_of(py - norms.reach, CELL_M, norms.lines), cell_of(py + norms.reach, CELL_M, norms.lines)
@@ -118,12 +118,12 @@ def note_bots(i, bots, norms, memory, desk, calls, all_of_them):
             vx, vy = bots.vx[j], bots.vy[j]
             moving = bots.state[j] <= MOVING
             drives = memory.decided[j] >= calls - 1 and moving
-            stands = vx * vx + vy * vy <= SLOW * SLOW * max_v * max_v
+            stands = vx * vx + vy * vy <= SLOW * SLOW * V * V
             first = loaded if loaded != (bots.bucket[j] >= 0) else i < j
             mind_s = norms.give_way if first and not stands and moving else norms.look
             touch = norms.touch_loaded if loaded and bots.bucket[j] >= 0 else norms.touch_empty
             if not all_of_them:
-                reach = touch + norms.margin + mind_s * (max_v if stands and not drives else 2.0 * max_v)
+                reach = touch + norms.margin + mind_s * (V if stands and not drives else 2.0 * V)
                 if apart2 > reach * reach:
                     continue
 
@@ -138,7 +138,7 @@ def note_bots(i, bots, norms, memory, desk, calls, all_of_them):
                 near[count, VX], near[count, VY] = told_x, told_y
                 near[count, KEEPS] = travels - gone_s
             elif drives:
-                lag_x, lag_y = lag(vx, vy, told_x, told_y, norms.max_a)
+                lag_x, lag_y = lag(vx, vy, told_x, told_y, norms.A)
                 near[count, X] += lag_x
                 near[count, Y] += lag_y
                 near[count, VX], near[count, VY] = told_x, told_y

@@ -169,7 +169,7 @@ def _steps_aside(i, r, rows, bots, norms, memory, goal, calls):
 @inlined
 def _choose(i, bots, norms, seen, goal, aside, calls):
     """The velocity that a bot wants, and its way as one constant velocity."""
-    px, py, radius, max_v = bots.x[i], bots.y[i], norms.radius, norms.max_v
+    px, py, radius, V = bots.x[i], bots.y[i], norms.radius, norms.V
     me = Mover(px, py, bots.vx[i], bots.vy[i])
     gx, gy = goal.x, goal.y
 
@@ -192,18 +192,18 @@ def _choose(i, bots, norms, seen, goal, aside, calls):
     )
 
     # how fast: not beyond the goal by the next call
-    want = min(max_v, dist / norms.period)
-    full = max_v
+    want = min(V, dist / norms.period)
+    full = V
     if aside:
         # a small hash: the same run makes the same draw, two bots hardly ever the same one
         turn = ((i * 7919 + (calls // STEP_ASIDE) * 104729) >> 3) % (len(TURNS) - 3) + 3
         co, si = TURNS[turn, 0], TURNS[turn, 1]
         dir_x, dir_y = dir_x * co - dir_y * si, dir_x * si + dir_y * co
-        want = full = 0.5 * max_v
+        want = full = 0.5 * V
         if leaves_floor(px, py, dir_x * want, dir_y * want, floor):
             dir_x, dir_y = -dir_x, -dir_y
     elif goal.holding:
-        want = 0.0 if dist < 0.1 * radius else min(max_v, dist / (1.2 * norms.period))
+        want = 0.0 if dist < 0.1 * radius else min(V, dist / (1.2 * norms.period))
         full = want
     wish = Wish(dir_x * want, dir_y * want, dir_x, dir_y)
 
@@ -213,9 +213,9 @@ def _choose(i, bots, norms, seen, goal, aside, calls):
     if aside:
         way = Way(px, py, wish.vx, wish.vy, FAR)
     elif full > 0.0:
-        way = way_to(me, gx, gy, dir_x, dir_y, full, norms.max_a)
-    if free and 0.0 < dist <= 2.0 * max_v * max_v / norms.max_a:
-        is_short, way = short_way(me, gx, gy, way, max_v, norms.max_a, norms.slow)
+        way = way_to(me, gx, gy, dir_x, dir_y, full, norms.A)
+    if free and 0.0 < dist <= 2.0 * V * V / norms.A:
+        is_short, way = short_way(me, gx, gy, way, V, norms.A, norms.slow)
     return Choice(wish, way, is_short, free, aside, floor)
 
 
@@ -226,8 +226,8 @@ def _drive_or_give_way(i, r, rows, bots, norms, memory, told, desk, seen, goal, 
     discs = Discs(desk.near, desk.horizon, seen.discs)
     clear_s, first = clear_for(discs, way)
     if clear_s == FAR and choice.free and way.keeps_s < 2.0 * norms.period:
-        turns_s = way.keeps_s + norms.max_v / norms.max_a
-        clear_s = clear_after(discs, goal.x, goal.y, rows.next_x[r], rows.next_y[r], norms.max_v, turns_s)
+        turns_s = way.keeps_s + norms.V / norms.A
+        clear_s = clear_after(discs, goal.x, goal.y, rows.next_x[r], rows.next_y[r], norms.V, turns_s)
     memory.decided[i] = calls
     memory.planned[i, 0] = math.nan
     if clear_s == FAR and choice.free:
@@ -262,11 +262,11 @@ def _evade(i, bots, norms, memory, discs, first, choice, calls):
         memory.evading[i]
         and choice.free
         and (i + calls) % CHOOSES != 0
-        and stays_clear(discs, me, cx, cy, norms.max_a, choice.floor)
+        and stays_clear(discs, me, cx, cy, norms.A, choice.floor)
     )
     if not keeps_on:
         if not memory.evading[i]:
             cx, cy = choice.way.vx, choice.way.vy
-        reachable = Discs(discs.near, discs.horizon, keep_reachable(discs, first, norms.max_v))
-        cx, cy = best_velocity(reachable, me, choice.wish, cx, cy, norms.max_v, norms.max_a, choice.floor)
+        reachable = Discs(discs.near, discs.horizon, keep_reachable(discs, first, norms.V))
+        cx, cy = best_velocity(reachable, me, choice.wish, cx, cy, norms.V, norms.A, choice.floor)
     return cx, cy

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from soup_managers.traffic.footprint import begin_run, extend_run, times_held
+from soup_managers.traffic.reservations import SAME_S, add, cut_standing, forget, gap_after
 from soup_managers.traffic.roads import AT_END_M
 from soup_managers.traffic.runs import turn_time
-from soup_managers.traffic.search import begin_run, extend_run, times_held
-from soup_managers.traffic.timetable import SAME_S, add, cut_standing, forget, gap_after
 from soup_msgs_py.kernel import kernel
 
 _SPARE = 2  # holds that one schedule may add to a waypoint
@@ -41,6 +41,7 @@ def _fit_before(roads, table, desk, query, found, k, m, t, length):
     i = 0
     while i < m and t > found.leaves[k]:
         w = desk.at[i]
+        # what it leaves behind must be free until then; if it is not, depart before and look at all again
         enter, leave = times_held(desk, i, length, V, A)
         if w == v:
             t = min(t, gap_end - lead - leave)

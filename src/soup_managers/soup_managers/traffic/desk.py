@@ -1,4 +1,4 @@
-"""Where searches write: arrays that are used again and again, so that none need be made for each plan."""
+"""The scratch of searches: arrays that are used again and again, so that none need be made for each plan."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ LONGEST_RUN = 2048  # holds in one run
 class Desk(NamedTuple):
     """Labels of a search, its heap, the holds of one run, and the edges of a way.
 
-    A label is a waypoint and a gap between holds there, numbered waypoint x (capacity + 1) + gap. It counts only if
+    A label is a waypoint and a safe interval there, numbered waypoint x (capacity + 1) + interval. It counts only if
     `seen` says that it is of the present `round`.
 
     Attributes:
         round: How many searches there have been, shape (1,).
         seen: The search that wrote a label last.
-        time: When a bot can be there at the earliest (s).
+        time: When a bot can be there at the earliest (s); g is this and `extra`.
         extra: What the way there costs beyond its time (s): wrong ways.
         depart: When the last run there departs.
         parent: The label that it departs from.
         first: Its first edge.
         last: Its last edge.
-        keys: The heap's keys.
+        keys: The heap's keys: f = g + h.
         items: The heap's labels.
         at: Waypoints that a run holds.
         since: From where on it (m); -1: since the bot stands where it begins.
@@ -73,7 +73,7 @@ class Desk(NamedTuple):
 
 
 def make_desk(roads: Roads, capacity: int) -> Desk:
-    """A desk for searches with a timetable of some capacity."""
+    """A desk for searches with a reservation table of some capacity."""
     waypoints, edges = len(roads.line), len(roads.head)
     labels = waypoints * (capacity + 1)
 

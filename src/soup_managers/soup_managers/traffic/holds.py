@@ -1,4 +1,4 @@
-"""Which waypoints a bot holds on each edge, so that bots of which no two hold the same can never touch.
+"""Footprints: which waypoints a bot holds on each edge, so that bots of which no two hold the same can never touch.
 
 On the edge from u to v a bot holds v all the way and u until it has left it by a little::
 
@@ -171,6 +171,7 @@ def swap_lag(
     high = run_time(length_out, V, A)
     if not _touch(0.0, length_in, length_out, cosine, from_rest, apart, V, A):
         return 0.0
+    # bisection: at `low` they touch, at `high` the first one is gone
     low = 0.0
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

@@ -1,4 +1,4 @@
-"""The line in front of each station: waypoints where the next bots wait, one way through."""
+"""The line (queue) in front of each station: waypoints where the next bots wait, one way through."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is near a place: waypoints, and what a bot holds that stands or drives beside the graph."""
+"""What is near a place: waypoints, and the footprint of a bot that stands or drives beside the graph."""
 
 from __future__ import annotations
 

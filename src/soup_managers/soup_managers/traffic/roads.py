@@ -1,4 +1,4 @@
-"""The waypoint graph as arrays for compiled kernels: edges, what goes straight on, what is held, who may pass."""
+"""The waypoint graph (nav graph) as arrays for kernels: edges, what goes straight on, what is held, who may pass."""
 
 from __future__ import annotations
 
@@ -94,6 +94,7 @@ def make_roads(layout: Layout, lines: list[Line], motion: Motion, turn_rate: flo
     holds = [all_holds[e] for e in order.tolist()]
     flat = [hold for of_edge in holds for hold in of_edge]
 
+    # station lines and storage spots
     line, place = np.full(count, -1, np.int32), np.full(count, -1, np.int32)
     for number, waypoints in enumerate(lines):
         line[list(waypoints)] = number
@@ -129,6 +130,7 @@ def make_roads(layout: Layout, lines: list[Line], motion: Motion, turn_rate: flo
         max_acceleration=motion.max_acceleration_mps2,
         turn_rate=turn_rate,
     )
+    # what each edge leads to; the later line wins
     same_line = (line[tail] == line[head]) & (line[head] >= 0)
     forward = same_line & (place[tail] == place[head] + 1)
     roads.kind[spot[head]] = SPOT

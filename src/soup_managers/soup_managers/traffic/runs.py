@@ -1,4 +1,4 @@
-"""A run: a straight move from rest to rest (equation 6), and when it is where.
+"""The speed profile of a run: a straight move from rest to rest (equation 6), and when it is where.
 
 The same numbers as the world's physics: accelerate with A to at most V, cruise, brake with A. Only + - * / and square
 roots, so that the same inputs give the same bits on any machine.
@@ -15,7 +15,7 @@ _PI = 3.141592653589793
 
 @kernel
 def run_time(length, V, A):
-    """How long a run takes (s)."""
+    """How long a run takes (s): equation 6, and where it is too short to reach V, without the cruise."""
     if length * A >= V * V:
         return length / V + V / A
     return 2.0 * np.sqrt(length / A)

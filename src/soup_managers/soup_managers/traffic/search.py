@@ -15,14 +15,13 @@ import numpy as np
 
 from soup_managers.heap import drop_first, push
 from soup_managers.traffic.desk import LONGEST_RUN, Desk
+from soup_managers.traffic.footprint import begin_run, extend_run, number_of, times_held
+from soup_managers.traffic.reservations import SAME_S, Reservations, gap_after, in_the_way
 from soup_managers.traffic.roads import AT_END_M, Roads
-from soup_managers.traffic.runs import run_time, time_at, turn_time
-from soup_managers.traffic.timetable import SAME_S, Timetable, gap_after, in_the_way, stands_on
+from soup_managers.traffic.runs import run_time, turn_time
 from soup_managers.traffic.ways import Errand, stop_time, usable
 from soup_msgs_py.kernel import inlined, kernel, maker
 from soup_msgs_py.layout import Floats, Ints
-
-_LOOK_BACK = 8  # an edge holds what one of the last few edges holds, or something new
 
 
 class Query(NamedTuple):
@@ -91,88 +90,13 @@ class _Run(NamedTuple):
     bot: int
 
 
-def find(roads: Roads, table: Timetable, desk: Desk, query: Query) -> Found | None:
+def find(roads: Roads, table: Reservations, desk: Desk, query: Query) -> Found | None:
     """The drive that arrives first; None where there is none, or none was found in time."""
     label = _search(roads, table, desk, query)
     return _read(desk, label, table.begin.shape[1] + 1) if label >= 0 else None
 
 
-# ---- what a run holds: its footprint ---------------------------------------------------------------------------
-
-
-@kernel
-def begin_run(roads, table, desk, v, arrived_by, bot):
-    """Note what a bot that stands on v holds besides v; how many waypoints there are.
-
-    `arrived_by`: the edge by which it came; -1 for where it stood all the time.
-    """
-    m = 0
-    if not roads.crowded[v]:
-        return m
-    for k in range(roads.into[v], roads.into[v + 1]):
-        edge = roads.into_edge[k]
-        if arrived_by >= 0 and edge != arrived_by:
-            continue
-        for h in range(roads.hold[edge], roads.hold[edge + 1]):
-            w = roads.hold_at[h]
-            if w == v or roads.hold_to[h] < roads.length[edge] - AT_END_M:
-                continue
-            if arrived_by < 0 and not stands_on(table, w, bot):
-                continue
-            new = True
-            for i in range(m):
-                new = new and desk.at[i] != w
-            if new:
-                desk.at[m], desk.since[m], desk.until[m], desk.enter[m], desk.leave[m] = w, -1.0, 0.0, 0.0, 0.0
-                desk.made[m] = 0
-                m += 1
-    return m
-
-
-@kernel
-def extend_run(roads, desk, edge, step, offset, m):
-    """Add the `step`-th edge of a run, `offset` metres after its start; how many holds there are, the first changed."""
-    V, A = roads.max_speed, roads.max_acceleration
-    changed = m
-    for h in range(roads.hold[edge], roads.hold[edge + 1]):
-        w, low, high = roads.hold_at[h], roads.hold_from[h] + offset, roads.hold_to[h] + offset
-        i = m - 1
-        while i >= 0 and i >= m - _LOOK_BACK and desk.at[i] != w:
-            i -= 1
-        if i >= 0 and i >= m - _LOOK_BACK:
-            if high > desk.until[i]:
-                desk.until[i], desk.leave[i] = high, _passing(high, V, A)
-                changed = min(changed, i)
-            continue
-        desk.at[m], desk.since[m], desk.until[m] = w, low, high
-        desk.enter[m], desk.leave[m], desk.made[m] = _passing(low, V, A), _passing(high, V, A), step
-        m += 1
-    return m, changed
-
-
-@kernel
-def _passing(x, V, A):
-    """How long after the start of a run that does not end it is at x metres."""
-    ramp = 0.5 * V * V / A
-    return np.sqrt(2.0 * x / A) if x <= ramp else V / A + (x - ramp) / V
-
-
-@kernel
-def times_held(desk, i, length, V, A):
-    """When, after its start, a run of some length begins and ends to hold its i-th waypoint."""
-    ramp = 0.5 * V * V / A
-    if desk.until[i] <= length - ramp and length >= 2.0 * ramp:
-        return desk.enter[i], desk.leave[i]
-    return time_at(desk.since[i], length, V, A), time_at(desk.until[i], length, V, A)
-
-
-@kernel
-def _held(desk, x, m):
-    """The number of a waypoint among those that a run holds."""
-    i = m - 1
-    while desk.at[i] != x:
-        i -= 1
-    return i
+# ---- the search ------------------------------------------------------------------------------------------------
 
 
 @kernel
@@ -214,9 +138,6 @@ def _fit(roads, table, desk, run, i, m, t, length, final):
         # depart so much later that it gets there when the other one has gone; then what was free may not be
         t, i = busy_until - lead - enter, 0
     return t
-
-
-# ---- the search ------------------------------------------------------------------------------------------------
 
 
 @kernel
@@ -360,7 +281,7 @@ def _arrive(roads, table, desk, query, run, m, t, length, cost, last, size):
     """Labels where a run ends that departs at t or later: one in each safe interval that it can get into."""
     V, A, x = roads.max_speed, roads.max_acceleration, roads.head[last]
     takes = run.lead + run_time(length, V, A)
-    entry = times_held(desk, _held(desk, x, m), length, V, A)[0]
+    entry = times_held(desk, number_of(desk, x, m), length, V, A)[0]
     final = x == query.errand.goal
     while t + takes + query.rest[x] <= query.worst:
         gap, _, reopens = gap_after(table, x, t + takes, run.bot)

@@ -1,4 +1,4 @@
-"""The timetable of all bots: who drives where and when, so that nobody ever touches anybody and everybody arrives."""
+"""All bots by one reservation table: who drives where and when, so that nobody touches anybody and all arrive."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from soup_managers.traffic.holds import Motion
 from soup_managers.traffic.legs import NOWHERE, Leg, braking_places, heading_after, pieces_of
 from soup_managers.traffic.lines import Line, find_lines
 from soup_managers.traffic.nearby import Nearby
+from soup_managers.traffic.reservations import add, conflicts, forget, forget_bot, free_from, larger, no_reservations
 from soup_managers.traffic.roads import Mask, make_roads
 from soup_managers.traffic.routes import Routes
 from soup_managers.traffic.runs import heading_of, run_time, turn_time
 from soup_managers.traffic.search import Found, Query, find, rest_of_way
-from soup_managers.traffic.timetable import add, conflicts, empty_timetable, forget, forget_bot, free_from, larger
 from soup_msgs_py.layout import Floats, Layout
 from soup_msgs_py.messages import Point
 from soup_msgs_py.scenario import Scenario
@@ -62,7 +62,7 @@ class Traffic:
         self._nearby = Nearby(self._roads)
         self._routes = Routes(self._roads)
         self._points: list[Point] = [(x, y) for x, y in layout.waypoints.tolist()]
-        self._table = empty_timetable(len(self._points), _CAPACITY)
+        self._table = no_reservations(len(self._points), _CAPACITY)
         self._desk = make_desk(self._roads, _CAPACITY)
         self._stands: dict[int, _Stand] = {}  # where each bot stands after all that is planned for it
         self._legs: dict[int, list[tuple[Leg, _Stand]]] = {}  # what is planned for it, and where it stood before
@@ -188,9 +188,12 @@ class Traffic:
         ready = max(earliest, stand.since)
         if stand.waypoint == goal:
             return Leg(bot, (goal,), (stand.point,), (ready,), ready, ready)
+
+        # nobody gets to a goal where somebody stands for good
         goal_free = max(float(free_from(self._table, w, bot)) for w in self._last_stretch(stand.waypoint, goal))
         if goal_free == math.inf:
             return None
+
         blocked = self._routes.blocked(loaded, blocked_spots)
         if stand.waypoint == NOWHERE:
             return self._rejoin(bot, goal, ready, loaded, blocked, hurried)
@@ -284,7 +287,7 @@ class Traffic:
         return leg
 
     def _add_leg(self, leg: Leg, heading: float) -> None:
-        """Note a leg that is in the timetable."""
+        """Note a leg that is in the reservation table."""
         legs = [kept for kept in self._legs[leg.bot] if kept[0].arrive > self._past]
         self._legs[leg.bot] = [*legs, (leg, self._stands[leg.bot])]
         self._stands[leg.bot] = _Stand(leg.waypoints[-1], leg.points[-1], leg.arrive, heading)
@@ -293,12 +296,15 @@ class Traffic:
         """A leg from beside the graph: straight to a waypoint that nobody else will pass, and on from there."""
         stand, roads = self._stands[bot], self._roads
         for waypoint in self._nearby.ways_back(stand.point, loaded, blocked, goal):
+            # when is the way to there free for good?
             point = self._points[waypoint]
             dx, dy = point[0] - stand.point[0], point[1] - stand.point[1]
             held = self._nearby.held_to(stand.point, waypoint)
             depart = max(ready, *(float(free_from(self._table, w, bot)) for w in held))
             if depart == math.inf:
                 continue
+
+            # let it drive there and stand
             heading = heading_of(dx, dy)
             length = float(np.sqrt(dx * dx + dy * dy))
             arrive = depart + turn_time(stand.heading, heading, roads.turn_rate)
@@ -308,6 +314,8 @@ class Traffic:
                 self._hold(w, stand.since, arrive, bot)
             self._stands[bot] = _Stand(waypoint, point, arrive, heading)
             self._stay(bot, self._stands[bot])
+
+            # and on from there; or as if nothing had been
             ahead = self.plan(bot, goal, arrive, loaded=loaded, blocked_spots=blocked, hurried=hurried)
             if ahead is not None:
                 first = () if goal == waypoint else ahead.waypoints[int(ahead.depart <= arrive) :]

@@ -1,4 +1,4 @@
-"""Ways without regard to traffic: who may use an edge, trees of quickest ways, and single ways by A*."""
+"""Ways without regard to traffic: who may use an edge, trees of quickest ways (Dijkstra), and single ways by A*."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def follow_back(roads, start, goal, last, way):
 
 @kernel
 def least_time(roads, place, goal, square):
-    """No way between two places takes less (s); `square`: all edges run along x or y."""
+    """No way between two places takes less (s), the h of A*; `square`: all edges run along x or y (Manhattan)."""
     dx, dy = roads.points[place, 0] - roads.points[goal, 0], roads.points[place, 1] - roads.points[goal, 1]
     length = abs(dx) + abs(dy) if square else np.sqrt(dx * dx + dy * dy)
     return length / roads.max_speed

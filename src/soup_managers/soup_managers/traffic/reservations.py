@@ -1,4 +1,7 @@
-"""Who holds which waypoint when: a table of time intervals, and the kernels that read and change it."""
+"""The reservation table: who holds which waypoint when, and the kernels that read and change it.
+
+The gaps between the holds of other bots are the safe intervals of a waypoint.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,7 @@ from soup_msgs_py.layout import Floats, Ints
 SAME_S = 1e-9  # moments that are closer are one: sums of times differ in their last digits
 
 
-class Timetable(NamedTuple):
+class Reservations(NamedTuple):
     """Holds of each waypoint in order of their beginnings.
 
     Attributes:
@@ -28,23 +31,23 @@ class Timetable(NamedTuple):
     bot: Ints
 
 
-def empty_timetable(waypoints: int, capacity: int) -> Timetable:
+def no_reservations(waypoints: int, capacity: int) -> Reservations:
     """A table in which nobody holds anything."""
     shape = (waypoints, capacity)
-    return Timetable(np.zeros(waypoints, np.int32), np.zeros(shape), np.zeros(shape), np.zeros(shape, np.int32))
+    return Reservations(np.zeros(waypoints, np.int32), np.zeros(shape), np.zeros(shape), np.zeros(shape, np.int32))
 
 
-def larger(table: Timetable) -> Timetable:
+def larger(table: Reservations) -> Reservations:
     """The same table with room for twice as many holds."""
     waypoints, capacity = table.begin.shape
-    new = empty_timetable(waypoints, 2 * capacity)
+    new = no_reservations(waypoints, 2 * capacity)
     new.filled[:] = table.filled
     for old, wide in ((table.begin, new.begin), (table.end, new.end), (table.bot, new.bot)):
         wide[:, :capacity] = old
     return new
 
 
-def conflicts(table: Timetable, bot: int, now: float) -> list[int]:
+def conflicts(table: Reservations, bot: int, now: float) -> list[int]:
     """The bots that hold what a bot holds, at the same time, from now on."""
     there = np.arange(table.begin.shape[1]) < table.filled[:, None]
     rows, columns = (there & (table.bot == bot)).nonzero()
@@ -77,11 +80,13 @@ def add(table, w, begin, end, bot):
         if table.bot[w, k] == bot and table.begin[w, k] <= end + SAME_S and table.end[w, k] >= begin - SAME_S:
             end = max(end, table.end[w, k])
             begin = min(begin, table.begin[w, k])
+            # take out what it is joined to
             for m in range(k, count - 1):
                 table.begin[w, m], table.end[w, m] = table.begin[w, m + 1], table.end[w, m + 1]
                 table.bot[w, m] = table.bot[w, m + 1]
             count -= 1
             break
+    # put it where it belongs: begins ascend
     k = count
     while k > 0 and table.begin[w, k - 1] > begin:
         table.begin[w, k], table.end[w, k] = table.begin[w, k - 1], table.end[w, k - 1]
@@ -132,7 +137,7 @@ def free_from(table, w, bot):
 
 @kernel
 def gap_after(table, w, time, bot):
-    """The gap between the holds of other bots that a time lies in: its number, its end, the end of the next hold."""
+    """The safe interval that a time lies in: its number, its end, and the end of the hold that follows."""
     before = 0
     end, reopens = np.inf, np.inf
     for k in range(table.filled[w]):
