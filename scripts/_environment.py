@@ -62,6 +62,7 @@ def is_ready() -> bool:
         and read(PACKAGES_STAMP) == packages_fingerprint()
         and read(MESSAGES_STAMP) == messages_fingerprint()
         and read(site_packages() / "soup_sources.pth") == source_folders()
+        and kernels_folder().exists()
     )
 
 
@@ -77,6 +78,20 @@ def messages_fingerprint() -> str:
         if file.is_file():
             parts += [os.fsencode(file.relative_to(MESSAGES)), file.read_bytes()]
     return digest(parts)
+
+
+def kernels_folder() -> Path:
+    """Where machine code made by numba is kept: another folder whenever a source that it is made from changes.
+
+    Numba looks at the file of a kernel alone, not at those whose kernels are part of it, and ends with an error where a
+    module is gone that its old index names.
+    """
+    parts = [packages_fingerprint().encode()]
+    for file in sorted(ROOT.glob("src/*/*/**/*.py")):
+        content = file.read_bytes()
+        if b"soup_msgs_py.kernel" in content:
+            parts += [os.fsencode(file.relative_to(ROOT)), content]
+    return VENV / "kernels" / digest(parts)[:16]
 
 
 def source_folders() -> str:
@@ -102,6 +117,7 @@ def run_environment() -> dict[str, str]:
         if first or kept:
             environment[name] = os.pathsep.join([*first, *kept])
     environment["RMW_IMPLEMENTATION"] = RMW
+    environment["NUMBA_CACHE_DIR"] = str(kernels_folder())
     environment[BOOTSTRAP_GUARD] = "1"
     return environment
 

@@ -27,6 +27,7 @@ import _environment as env
 SUPPORTED = ((3, 11), (3, 13))  # CPython versions with ROS wheels, from the oldest that has StrEnum
 LOG_FILE = env.VENV / "setup.log"
 BUILD = env.VENV / "build" / "soup_msgs"
+KERNELS_KEPT = 2  # versions before the present one: something may still run with them
 
 
 class StepFailedError(Exception):
@@ -106,6 +107,11 @@ class Setup:
         self.line.show("Compiling kernels (about a minute)")
         program = "import sys; from soup_lab.headless_cli import main; sys.exit(main(['--duration', '60']))"
         self.command([str(env.PYTHON), "-c", program], lambda _: None)
+        folder = env.kernels_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        before = sorted((other for other in folder.parent.iterdir() if other != folder), key=os.path.getmtime)
+        for other in before[:-KERNELS_KEPT]:
+            shutil.rmtree(other, ignore_errors=True)
 
     def make_venv(self) -> None:
         """Make an empty virtual environment in place of whatever is there."""

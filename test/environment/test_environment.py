@@ -185,6 +185,26 @@ def test_everything_is_set_up_once_and_then_only_what_changed(paths: Path, comma
     assert commands == ["pip", "cmake", "cmake", "cmake", "kernels"]
 
 
+def test_kernels_are_compiled_anew_when_any_of_their_sources_has_changed(paths: Path, commands: list[str]):
+    source = paths / "src" / "soup_sim" / "soup_sim" / "fast.py"
+    source.parent.mkdir(parents=True)
+    source.write_text("from soup_msgs_py.kernel import kernel\n")
+    _setup.bring_up_to_date()
+    folders = [_environment.kernels_folder()]
+    for k in range(4):
+        source.write_text(f"from soup_msgs_py.kernel import kernel\n\n# {k}\n")
+        assert not _environment.is_ready()
+        commands.clear()
+        _setup.bring_up_to_date()
+        assert commands == ["kernels"]
+        folders.append(_environment.kernels_folder())
+        assert _environment.run_environment()["NUMBA_CACHE_DIR"] == str(folders[-1])
+    assert len(set(folders)) == 5
+    assert [folder.exists() for folder in folders] == [False, False, True, True, True]
+    (source.parent / "slow.py").write_text("pass\n")
+    assert _environment.is_ready()
+
+
 def test_an_interrupted_installation_begins_again_from_an_empty_environment(
     paths: Path, commands: list[str], monkeypatch: pytest.MonkeyPatch
 ):
