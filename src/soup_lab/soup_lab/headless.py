@@ -21,7 +21,7 @@ from soup_managers.word_manager import WordManager
 from soup_msgs_py import messages as m
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, load_policy
-from soup_msgs_py.routing import ROUTES, Hearer
+from soup_msgs_py.routing import HEARERS, Hearer
 from soup_msgs_py.scenario import Scenario
 from soup_sim.world import World
 
@@ -178,8 +178,7 @@ class Headless:
         queue, now, world = self._queue, self.world.now, self.world
         while queue:
             speaker, message = queue.popleft()
-            route = ROUTES.get(type(message))
-            match route.hearer if route is not None else None:
+            match HEARERS.get(type(message)):
                 case Hearer.ALL:
                     if self._on_event is not None:
                         self._on_event(message)
