@@ -5,6 +5,7 @@ import _environment
 _environment.enter()
 
 import argparse
+import signal
 import subprocess
 import sys
 import time
@@ -70,6 +71,8 @@ def check(name: str, arguments: list[str], prefix: str = "") -> bool:
         for line in process.stdout:
             print(f"{prefix}{line}", end="", flush=True)
     how = "failed" if process.returncode else "passed"
+    if process.returncode < 0:
+        how = f"ended by {signal.Signals(-process.returncode).name}"
     print(f"== {name}: {how} after {time.monotonic() - began:.0f} s", flush=True)
     return process.returncode == 0
 

@@ -75,7 +75,7 @@ def threads_of_dds() -> list[str]:
 
 def test_who_has_left_the_graph_has_left_dds(domain: str):
     assert domain
-    with Live("test") as live:
+    with Live("test", guest=True) as live:
         node = live.node("test")
         everything = [
             GoalServer(live, node, action.Drive, "drive", accept=print, cancel=print, check=print),

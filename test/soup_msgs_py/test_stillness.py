@@ -36,7 +36,7 @@ def test_what_a_process_hears_late_because_it_was_stopped_is_not_acted_upon(monk
     heard: list[str] = []
     before = signal.getsignal(signal.SIGCONT)
     try:
-        with process.Live("bots", starts_again=True) as live:
+        with process.Live("bots", starts_again=True, guest=True) as live:
             take = live.guard(heard.append)
             take("in time")
             now = process.time.monotonic()

@@ -29,17 +29,19 @@ class Ending:
     Args:
         name: Of the process, for messages to a person.
         status: Exit status of a process that has done its work and could not leave.
+        to_the_last: Whether to watch the very end of the process, too, after which nobody can.
     """
 
-    def __init__(self, name: str, status: Callable[[], int]) -> None:
-        """Begin with no hurry; the very end of the process is watched from now on."""
+    def __init__(self, name: str, status: Callable[[], int], to_the_last: bool) -> None:
+        """Begin with no hurry."""
         self._name, self._status = name, status
         self._called_off = threading.Event()
         self._watched = False
         self._told = False
         self._leaves = False
-        atexit.unregister(arm)
-        atexit.register(arm)
+        if to_the_last:
+            atexit.unregister(arm)
+            atexit.register(arm)
 
     def told(self) -> None:
         """The process was told to end, and has to be gone soon."""

@@ -49,7 +49,7 @@ class Live:
         told: What it has last told the person who started it; its reports say that, too.
     """
 
-    def __init__(self, name: str, *, starts_again: bool = False, ends_soon: bool = True) -> None:
+    def __init__(self, name: str, *, starts_again: bool = False, ends_soon: bool = True, guest: bool = False) -> None:
         """Join the ROS graph.
 
         Args:
@@ -58,6 +58,8 @@ class Live:
                 given it up by then, and it would hear no more of them.
             ends_soon: Whether the process has to be gone soon after it was told to end, whatever a callback does then.
                 Not for who has to end others first, or has much to put on disk.
+            guest: Whether the process is there for more than this, as that of a notebook or of tests is. What it does
+                after it has left the graph may take as long as it likes.
 
         Raises:
             InputError: The environment names a domain that there is not.
@@ -78,7 +80,7 @@ class Live:
         self._periodic: list[_Periodic] = []
         self._farewells: list[Callable[[], None]] = []
         self._ends_soon = ends_soon
-        self._ending = Ending(name, lambda: 1 if self._error else 0)
+        self._ending = Ending(name, lambda: 1 if self._error else 0, to_the_last=not guest)
         self._handlers = {number: signal.signal(number, self._on_signal) for number in LEAVES}
         rclpy.init(args=[], signal_handler_options=SignalHandlerOptions.NO)
         self._executor = EventsExecutor()
