@@ -7,8 +7,8 @@ import mmap
 import sys
 from collections.abc import Sequence
 
-from soup_msgs_py.live.domain import stay_on_this_machine
-from soup_msgs_py.live.process import Live, exit_status
+from soup_live.domain import stay_on_this_machine
+from soup_live.process import Live, exit_status
 
 JUMP_TO_ITSELF = b"\xeb\xfe"  # x86-64, as native code that waits for ever in a busy loop
 _page = mmap.mmap(-1, mmap.PAGESIZE, prot=mmap.PROT_READ | mmap.PROT_WRITE | mmap.PROT_EXEC)

@@ -12,9 +12,9 @@ from rclpy.qos import QoSProfile
 from soup_msgs import action
 from std_msgs.msg import String
 
-from soup_msgs_py.live.actions import GoalClient, GoalServer
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.live.raw import RawSubscription
+from soup_live.actions import GoalClient, GoalServer
+from soup_live.process import Live
+from soup_live.raw import RawSubscription
 
 from .conftest import Parts, wait_until
 

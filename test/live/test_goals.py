@@ -8,10 +8,10 @@ import pytest
 from rclpy.action.server import ServerGoalHandle
 from soup_msgs import action, msg
 
+from soup_live.actions import GoalClient, GoalServer
+from soup_live.process import Live
+from soup_live.qos import LATCHED
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.actions import GoalClient, GoalServer
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.qos import LATCHED
 
 pytestmark = [pytest.mark.live, pytest.mark.timeout(120)]
 PATIENCE_S = 30.0

@@ -19,8 +19,8 @@ import pytest
 from soup_msgs import msg
 
 import _environment
+from soup_live.qos import EVERY_ONE
 from soup_msgs_py import topics
-from soup_msgs_py.qos import EVERY_ONE
 
 from .conftest import Parts
 from .person import Person

@@ -13,10 +13,10 @@ from soup_lab.bag_record_node import offered
 from soup_lab.bag_types import Definitions
 from soup_lab.bag_writer import BagWriter, Topic
 from soup_lab.headless import Headless
+from soup_live.qos import LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.messages import Event, WorldState
 from soup_msgs_py.policies import load_policies
-from soup_msgs_py.qos import LATCHED
 from soup_msgs_py.wire import Announcement, to_ros, to_ros_of, to_stamp, to_statistics
 from soup_sim.checkpoint import make_checkpoint
 from soup_sim.setup import load_warehouse

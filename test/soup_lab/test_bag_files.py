@@ -25,9 +25,9 @@ from soup_lab.bag_reader import open_bag
 from soup_lab.bag_repair import is_cut_off
 from soup_lab.bag_types import Definitions, UnknownType
 from soup_lab.bag_writer import METADATA, BagWriter, Topic
+from soup_live.qos import LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.qos import LATCHED
 from soup_msgs_py.wire import to_stamp
 
 SECOND = 1_000_000_000

@@ -6,7 +6,7 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
-from soup_msgs_py.live.report import MOST_PARTS, PartsWatch
+from soup_live.diagnostics import MOST_PARTS, PartsWatch
 from soup_msgs_py.policies import NONE, policies_of
 
 OURS = {"word manager": {"policy": "urgent"}, "bots 0-5,8": {"policy": "evade"}}

@@ -17,15 +17,16 @@ from soup_bots.crew import FOR_BOTS, Crew
 from soup_bots.rehearsal import rehearse
 from soup_bots.steering import KNOWN
 from soup_bots.steering.base import Steering
+from soup_live.actions import GoalClient
+from soup_live.diagnostics import Report
+from soup_live.domain import stay_on_this_machine
+from soup_live.process import Live
+from soup_live.qos import CHARGES, COMMANDS, DISPLAY, EVERY_ONE, LATCHED
+from soup_live.world_client import WorldClient
 from soup_msgs_py import mail, topics
 from soup_msgs_py.arguments import written_bots
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.live.actions import GoalClient
-from soup_msgs_py.live.domain import stay_on_this_machine
-from soup_msgs_py.live.follower import Follower
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import (
     BotReply,
     BotStatus,
@@ -48,7 +49,6 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.policies import PolicyChoice, load_policy
-from soup_msgs_py.qos import CHARGES, COMMANDS, DISPLAY, EVERY_ONE, LATCHED
 from soup_msgs_py.wire import (
     MOST_ORDERS,
     Announcement,
@@ -133,7 +133,7 @@ class BotHost:
             ByHandReply: lambda m: self._bots[m.reply.bot].answer(m.token, m.reply),
             DriveGoal: self._ask_other,
         }
-        self._follower = Follower(
+        self._client = WorldClient(
             live, node, self._report, self._make_crew, self._carry, self._missing,
             concerns=lambda event: event.type in FOR_BOTS, looks=self._next_look,
             bots=frozenset(self._numbers), take_reply=self._on_reply,
@@ -141,7 +141,7 @@ class BotHost:
         self._charges = node.create_publisher(msg.Charge, topics.BOTS_CHARGE, LATCHED)
         self._charges.publish(to_ros(self._charge))
         live.follow(node, msg.Charge, topics.BOTS_CHARGE, self._on_charge, CHARGES)
-        live.follow(node, msg.BotReply, topics.REPLIES, self._on_reply, EVERY_ONE, run=lambda: self._follower.run)
+        live.follow(node, msg.BotReply, topics.REPLIES, self._on_reply, EVERY_ONE, run=lambda: self._client.run)
         live.subscribe(node, msg.Buckets, topics.SENSED_BUCKETS, self._on_buckets, DISPLAY, raw=True)
         live.subscribe(node, msg.Bots, topics.SENSED_BOTS, self._on_bots, DISPLAY, raw=True)
 
@@ -169,7 +169,7 @@ class BotHost:
         if other.rank < self._charge.rank:
             self._rivals[other.rank] = time.monotonic()
             return
-        crew = self._follower.mind
+        crew = self._client.mind
         for bot in sorted(shared):
             if isinstance(crew, Crew) and bot in crew.minds:
                 self._carry(crew.kill(bot))
@@ -180,7 +180,7 @@ class BotHost:
     def _tell_charge(self) -> None:
         self._charge = replace(self._charge, bots=tuple(sorted(self._bots)))
         self._charges.publish(to_ros(self._charge))
-        self._follower.speak_for(frozenset(self._bots))
+        self._client.speak_for(frozenset(self._bots))
         self._report.values["bots"] = written_bots(self._charge.bots)
 
     def _look_back(self) -> None:
@@ -190,19 +190,19 @@ class BotHost:
             self._absent[bot] = 0 if minds else self._absent[bot] + 1
             if self._absent[bot] == ABSENT and bot not in self._returning:
                 self._returning[bot] = BotNode(self._live, bot, self._ask)
-        if any(bot.heard for bot in self._returning.values()) and self._follower.in_step:
-            self._follower.next_snapshot(self._take_back)
+        if any(bot.heard for bot in self._returning.values()) and self._client.in_step:
+            self._client.next_snapshot(self._take_back)
 
     def _take_back(self, snapshot: Snapshot) -> None:
-        crew = self._follower.mind
+        crew = self._client.mind
         back = [bot for bot, node in self._returning.items() if node.heard]
-        if not isinstance(crew, Crew) or not self._follower.in_step:
+        if not isinstance(crew, Crew) or not self._client.in_step:
             return
         for bot in back:
             self._bots[bot] = self._returning.pop(bot)
             del self._absent[bot]
         self._tell_charge()
-        self._carry(crew.come_back(back, snapshot, self._follower.now))
+        self._carry(crew.come_back(back, snapshot, self._client.now))
 
     def _close_given_up(self) -> None:
         """Take nodes out of the graph whose last answers are on their way."""
@@ -214,10 +214,10 @@ class BotHost:
             return "other processes have taken over all its bots"
         if any(time.monotonic() - heard < RIVALS_S for heard in self._rivals.values()):
             return "waits until another process gives up its bots"
-        follower = self._follower
-        if follower.begun:
-            if self._run != follower.run:
-                self._run, self._worlds_before = follower.run, self._worlds_met
+        client = self._client
+        if client.begun:
+            if self._run != client.run:
+                self._run, self._worlds_before = client.run, self._worlds_met
             return ""
         # the world listens on this topic last of all, to each bot before
         if self._worlds_met == self._worlds_before or self._requests.get_subscription_count() == 0:
@@ -231,10 +231,10 @@ class BotHost:
 
     def _ask(self, message: Message) -> bool:
         if isinstance(message, DriveGoal) and message.drive < MOST_ORDERS:  # perhaps of another bot
-            self._follower.mail.got(mail.drives(message.bot))
-        takes = self._follower.begun and message.bot in self._bots
+            self._client.mail.got(mail.drives(message.bot))
+        takes = self._client.begun and message.bot in self._bots
         if takes:
-            self._follower.tell(message)
+            self._client.tell(message)
         return takes
 
     # ---- what the fleet asks ------------------------------------------------------------------------------
@@ -242,12 +242,12 @@ class BotHost:
     def _on_order(self, order: msg.Order) -> None:
         asked = from_ros(order)
         if order.part == self._live.name:
-            self._follower.mail.got(mail.orders(order.part))
+            self._client.mail.got(mail.orders(order.part))
         self._take_order(order, asked)
-        self._follower.settle()
+        self._client.settle()
 
     def _take_order(self, order: msg.Order, asked: DriveGoal | CancelDrive | TripGoal | CancelTrip) -> None:
-        if order.bot not in self._bots or order.run != self._follower.run:
+        if order.bot not in self._bots or order.run != self._client.run:
             return
         if isinstance(asked, DriveGoal | CancelDrive):
             asked = replace(asked, drive=asked.drive + MOST_ORDERS)  # goals of the bot's own actions are below
@@ -270,8 +270,8 @@ class BotHost:
         self._tell_fleet(result)
 
     def _tell_fleet(self, result: DriveResult | TripResult) -> None:
-        self._follower.mail.sent(mail.outcomes(self._live.name))
-        self._outcomes.publish(to_outcome(result, self._follower.run, self._live.name))
+        self._client.mail.sent(mail.outcomes(self._live.name))
+        self._outcomes.publish(to_outcome(result, self._client.run, self._live.name))
 
     # ---- what the world tells -----------------------------------------------------------------------------
 
@@ -283,29 +283,29 @@ class BotHost:
         self._answered[key] = None
         if len(self._answered) > ANSWERS_KEPT:
             del self._answered[next(iter(self._answered))]
-        self._follower.now = max(self._follower.now, reply.time)
-        self._follower.tell(reply, is_asked=True)
+        self._client.now = max(self._client.now, reply.time)
+        self._client.tell(reply, is_asked=True)
 
     def _on_buckets(self, cdr: bytes) -> None:
         self._buckets = cdr
 
     def _next_look(self) -> float:
-        crew = self._follower.mind
+        crew = self._client.mind
         return self._next_sense if isinstance(crew, Crew) and crew.wants_to_sense else NEVER
 
     def _on_bots(self, cdr: bytes) -> None:
-        crew = self._follower.mind
-        if not isinstance(crew, Crew) or not self._follower.in_step or not crew.wants_to_sense or not self._buckets:
+        crew = self._client.mind
+        if not isinstance(crew, Crew) or not self._client.in_step or not crew.wants_to_sense or not self._buckets:
             return
         poses, buckets = read_cdr(cdr, msg.Bots), read_cdr(self._buckets, msg.Buckets)
-        if not all(self._live.belongs(seen.run, self._follower.run) for seen in (poses, buckets)):
+        if not all(self._live.belongs(seen.run, self._client.run) for seen in (poses, buckets)):
             return
         now = from_stamp(poses.header.stamp)
         if now < self._next_sense - SAME_S:
             return
         self._next_sense = now + crew.sense_period_s
-        self._follower.now = max(self._follower.now, now)
-        self._carry(crew.sense(from_ros(poses), from_ros(buckets), self._follower.now))
+        self._client.now = max(self._client.now, now)
+        self._carry(crew.sense(from_ros(poses), from_ros(buckets), self._client.now))
 
     # ---- what the crew says -------------------------------------------------------------------------------
 
@@ -314,15 +314,15 @@ class BotHost:
             self._carriers[type(message)](message)
 
     def _tell_status(self, status: BotStatus) -> None:
-        self._follower.mail.sent(mail.outcomes(self._live.name))
-        self._bots[status.bot].tell_status(status, self._follower.run)
+        self._client.mail.sent(mail.outcomes(self._live.name))
+        self._bots[status.bot].tell_status(status, self._client.run)
 
     def _set_velocities(self, message: SetVelocities) -> None:
         for bot, vx, vy in zip(message.bots.tolist(), message.vx.tolist(), message.vy.tolist(), strict=True):
             self._bots[bot].set_velocity(SetVelocity(bot, vx, vy))
 
     def _request(self, request: Grab | Release | Transfer) -> None:
-        self._requests.publish(to_ros_of(self._follower.run, request))
+        self._requests.publish(to_ros_of(self._client.run, request))
 
     def _ask_other(self, goal: DriveGoal) -> None:
         """Ask a bot of another process to drive; that it may not hear is part of asking."""
@@ -331,6 +331,6 @@ class BotHost:
             name = topics.bot_topic(goal.bot, topics.DRIVE)
             client = self._drive_clients[goal.bot] = GoalClient(
                 self._live, self._node, action.Drive, name, profile=COMMANDS,
-                sent=lambda: self._follower.mail.sent(mail.drives(goal.bot)),
+                sent=lambda: self._client.mail.sent(mail.drives(goal.bot)),
             )  # fmt: skip
         client.send(goal.drive, to_ros(goal), lambda _feedback: None, lambda _code, _message: None)

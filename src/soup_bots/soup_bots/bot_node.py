@@ -12,11 +12,12 @@ from nav_msgs.msg import Path as RosPath
 from rclpy.action.server import ServerGoalHandle
 from soup_msgs import action, msg, srv
 
+from soup_live.actions import GoalServer
+from soup_live.process import Live, exit_status
+from soup_live.qos import COMMANDS, LATCHED
+from soup_live.services import Answer, serve
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.actions import GoalServer
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.messages import (
     BotReply,
     BotStatus,
@@ -33,7 +34,6 @@ from soup_msgs_py.messages import (
 from soup_msgs_py.mind import Message
 from soup_msgs_py.part_arguments import parse_bots
 from soup_msgs_py.policies import load_policies
-from soup_msgs_py.qos import COMMANDS, LATCHED
 from soup_msgs_py.wire import (
     drive_goal,
     fill_result,

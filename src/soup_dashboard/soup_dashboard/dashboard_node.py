@@ -9,15 +9,15 @@ from soup_msgs import msg
 
 from soup_dashboard.page import HOST, Server
 from soup_dashboard.store import Store
+from soup_live.diagnostics import PartsWatch, Report
+from soup_live.domain import stay_on_this_machine
+from soup_live.process import Live, exit_status
+from soup_live.qos import EVERY_ONE, LATCHED, WATCH
+from soup_live.vacancies import Vacancies
 from soup_msgs_py import topics
 from soup_msgs_py.arguments import refuse_port_in_use
 from soup_msgs_py.errors import RunError
-from soup_msgs_py.live.domain import stay_on_this_machine
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import PartsWatch, Report
-from soup_msgs_py.live.vacancies import Vacancies
 from soup_msgs_py.part_arguments import parse_dashboard
-from soup_msgs_py.qos import EVERY_ONE, LATCHED, WATCH
 from soup_msgs_py.wire import Announcement, from_statistics
 
 PORT = 8080

@@ -23,13 +23,13 @@ from soup_lab.bag_repair import go_on, is_cut_off
 from soup_lab.bag_types import Definitions, UnknownType, message_class
 from soup_lab.bag_writer import NEVER, BagWriter, Topic
 from soup_lab.progress import PLAIN_S, ProgressLine
+from soup_live.diagnostics import Report
+from soup_live.domain import stay_on_this_machine
+from soup_live.process import Live, exit_status
+from soup_live.qos import EVERY_ONE
+from soup_live.raw import RawSubscription
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError, RunError
-from soup_msgs_py.live.domain import stay_on_this_machine
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.raw import RawSubscription
-from soup_msgs_py.live.report import Report
-from soup_msgs_py.qos import EVERY_ONE
 
 NAME, NODE = "bag recorder", "bag_recorder"
 # Topics on which things happen as soon as a warehouse begins, and of which a bag should lack nothing: listening before

@@ -26,13 +26,13 @@ from soup_lab.bag_record_node import NAME as RECORDER
 from soup_lab.bag_record_node import NODE as RECORDER_NODE
 from soup_lab.bag_types import UnknownType, is_installed, message_class
 from soup_lab.progress import PLAIN_S, ProgressLine
+from soup_live.diagnostics import PartsWatch
+from soup_live.domain import only_world, stay_on_this_machine
+from soup_live.process import Live, exit_status
+from soup_live.services import Answer, serve
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.live.domain import only_world, stay_on_this_machine
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import PartsWatch
-from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.wire import fill_result
 
 TICK_S = 0.001  # wall time between two looks at what is due

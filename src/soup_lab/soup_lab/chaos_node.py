@@ -23,16 +23,16 @@ from soup_msgs import msg
 
 from soup_lab.bound_program import bound
 from soup_lab.lab_arguments import parse_chaos
+from soup_live.diagnostics import PartsWatch
+from soup_live.domain import stay_on_this_machine
+from soup_live.process import Live, exit_status
+from soup_live.qos import DISPLAY, EVERY_ONE, LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.errors import RunError
 from soup_msgs_py.figures import known, told
-from soup_msgs_py.live.domain import stay_on_this_machine
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import PartsWatch
 from soup_msgs_py.messages import Event
 from soup_msgs_py.policies import MANAGERS
-from soup_msgs_py.qos import DISPLAY, EVERY_ONE, LATCHED
 from soup_msgs_py.wire import from_ros, from_statistics
 
 QUARTERS = 4  # bot processes: one of them holds a quarter of the bots

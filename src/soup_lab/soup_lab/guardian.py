@@ -12,7 +12,7 @@ import select
 import signal
 import sys
 
-from soup_msgs_py.live.ending import Lateness
+from soup_live.ending import Lateness
 
 GRACE_S = 2.8  # for a part to end in order; then it is killed. Parts give up by themselves before
 LOOK_S = 0.05

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from soup_lab.guardian import GRACE_S, LOOK_S
 from soup_lab.part import become
-from soup_msgs_py.live.ending import Lateness
+from soup_live.ending import Lateness
 
 LAST_BYTES = 4096
 

@@ -11,12 +11,12 @@ from soup_msgs import msg
 
 from soup_lab.processes import Part, Processes
 from soup_lab.restarts import Restarts
+from soup_live.process import Live
+from soup_live.qos import CHARGES, EVERY_ONE
 from soup_msgs_py import topics
 from soup_msgs_py.errors import RunError
-from soup_msgs_py.live.process import Live
 from soup_msgs_py.messages import Charge, Heard
 from soup_msgs_py.mind import NEVER
-from soup_msgs_py.qos import CHARGES, EVERY_ONE
 from soup_msgs_py.wire import to_ros
 
 WORLD = "world"

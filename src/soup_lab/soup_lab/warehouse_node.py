@@ -28,16 +28,16 @@ from soup_lab.processes import Part, Processes
 from soup_lab.progress import ProgressLine
 from soup_lab.supervisor_node import WORLD, Supervisor
 from soup_lab.warehouse_arguments import parse
+from soup_live.diagnostics import TOLD, WAITS, PartsWatch
+from soup_live.domain import refuse_second_world, stay_on_this_machine
+from soup_live.leader_election import called
+from soup_live.process import Live, exit_status
+from soup_live.qos import DISPLAY
 from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError, RunError
-from soup_msgs_py.live.charge import called
-from soup_msgs_py.live.domain import refuse_second_world, stay_on_this_machine
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import TOLD, WAITS, PartsWatch
 from soup_msgs_py.output_files import why, write_whole
 from soup_msgs_py.policies import MANAGERS, ROLES, Policies, load_policies
-from soup_msgs_py.qos import DISPLAY
 from soup_msgs_py.wire import from_statistics
 from soup_sim.setup import load_warehouse
 from soup_sim.standstill import STALLED

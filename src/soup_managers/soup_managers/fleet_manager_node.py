@@ -11,6 +11,12 @@ from typing import Any
 from rclpy.action.server import ServerGoalHandle
 from soup_msgs import action, msg, srv
 
+from soup_live.actions import GoalServer
+from soup_live.diagnostics import Report
+from soup_live.leader_election import InCharge
+from soup_live.process import Live
+from soup_live.qos import CHARGES, DISPLAY, LATCHED
+from soup_live.world_client import WorldClient
 from soup_managers.explain import Explain
 from soup_managers.fleets.make import Fleet, load_fleet, make_fleet
 from soup_managers.hosts import Hosts
@@ -19,11 +25,6 @@ from soup_managers.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView
 from soup_msgs_py import mail, topics
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.actions import GoalServer
-from soup_msgs_py.live.charge import InCharge
-from soup_msgs_py.live.follower import Follower
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import (
     DELIVER,
     STORE,
@@ -46,7 +47,6 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.policies import PolicyChoice
-from soup_msgs_py.qos import CHARGES, DISPLAY, LATCHED
 from soup_msgs_py.wire import Announcement, MalformedMessage, from_ros, read_cdr, to_ros, to_ros_of
 
 TASKS_PERIOD_S = 0.5
@@ -83,7 +83,7 @@ class FleetManagerNode:
         self._known: set[int] = set()
         self._hosts = Hosts()
         self._orders = Orders(
-            live, node, lambda: self._follower.run, self._on_result, self._hosts.name, lambda: self._follower.mail
+            live, node, lambda: self._client.run, self._on_result, self._hosts.name, lambda: self._client.mail
         )
         self._bounds = 0  # told so far
         self._next_places = 0.0  # simulated time (s) of the next look at where bots are
@@ -101,7 +101,7 @@ class FleetManagerNode:
             SetStorageSpot: self._ask_world,
         }
         self._charge = InCharge(live, node, self._report, choice.name, take_over=take_over, begin=self._begin)
-        self._follower = Follower(
+        self._client = WorldClient(
             live, node, self._report, self._make_mind, self._carry, lambda: self._charge.missing,
             looks=self._next_look,
         )  # fmt: skip
@@ -139,17 +139,17 @@ class FleetManagerNode:
     def _serve(self, kind: str, action_type: Any, name: str) -> GoalServer:
         def accept(handle: ServerGoalHandle) -> None:
             goal = from_ros(handle.request)
-            self._follower.mail.got(mail.goals(kind))
+            self._client.mail.got(mail.goals(kind))
             self._goals.setdefault((kind, goal.task), []).append(handle)
-            if self._follower.mind is None:
+            if self._client.mind is None:
                 self._end_task(TaskResult(kind, goal.task, Code.BUSY, NOT_YET))
-            elif handle.request.run in (0, self._follower.run):
-                self._follower.tell(goal)
+            elif handle.request.run in (0, self._client.run):
+                self._client.tell(goal)
             else:
-                self._follower.settle()
+                self._client.settle()
 
         def cancel(handle: ServerGoalHandle) -> None:
-            self._follower.tell(CancelTask(kind, handle.request.task))
+            self._client.tell(CancelTask(kind, handle.request.task))
 
         return GoalServer(self._live, self._node, action_type, name, accept=accept, cancel=cancel, check=from_ros)
 
@@ -159,7 +159,7 @@ class FleetManagerNode:
 
     def _end_task(self, result: TaskResult) -> None:
         for handle in self._goals.pop((result.kind, result.task), ()):
-            self._follower.mail.sent(mail.results(result.kind))
+            self._client.mail.sent(mail.results(result.kind))
             self._servers[result.kind].finish(handle, result.code, result.message)
 
     # ---- the bots -----------------------------------------------------------------------------------------
@@ -169,29 +169,29 @@ class FleetManagerNode:
         if status.bot != bot:
             raise MalformedMessage(f"bot {status.bot} on the topic of bot {bot}")
         self._newest[status.bot] = message.run, status
-        self._follower.mail.got(mail.outcomes(message.part), message.number, bot)
+        self._client.mail.got(mail.outcomes(message.part), message.number, bot)
         if status.bot in self._known:
             self._tell_newest(status.bot)
         else:
             self._silent.add(status.bot)
-        self._follower.settle()
+        self._client.settle()
 
     def _tell_newest(self, bot: int) -> None:
         """Tell the fleet what a bot said last, unless that was in another run of the world."""
         run, status = self._newest[bot]
-        if run == self._follower.run:
-            self._follower.tell(status)
+        if run == self._client.run:
+            self._client.tell(status)
 
     def _look_at_bots(self) -> None:
         """A bot counts as soon as it can be asked; one that is gone fails what it was asked for.
 
         In a new world others may have begun before the fleet.
         """
-        if self._is_new and self._follower.in_step:
+        if self._is_new and self._client.in_step:
             self._is_new = False
             for (kind, task), handles in list(self._goals.items()):
-                if handles[-1].request.run in (0, self._follower.run):
-                    self._follower.tell(from_ros(handles[-1].request))
+                if handles[-1].request.run in (0, self._client.run):
+                    self._client.tell(from_ros(handles[-1].request))
                 else:
                     self._end_task(TaskResult(kind, task, Code.STOPPED, "it belongs to another run of the world"))
             for bot in self._known:
@@ -210,18 +210,18 @@ class FleetManagerNode:
 
     def _on_bots_charge(self, charge: Charge) -> None:
         for bot in sorted(self._hosts.hear(charge)):
-            self._follower.tell(BotGone(bot))
+            self._client.tell(BotGone(bot))
 
     def _on_result(self, result: DriveResult | TripResult) -> None:
-        self._follower.tell(result)
+        self._client.tell(result)
 
     def _ask_world(self, wish: SetStorageSpot) -> None:
-        self._follower.call(self._world, to_ros(wish), lambda _: None)  # an event tells whether it did
+        self._client.call(self._world, to_ros(wish), lambda _: None)  # an event tells whether it did
 
     def _tell_bound(self, bound: Bound) -> None:
         self._bounds += 1
-        self._follower.mail.sent(mail.BOUND)
-        message = to_ros_of(self._follower.run, bound)
+        self._client.mail.sent(mail.BOUND)
+        message = to_ros_of(self._client.run, bound)
         message.number = self._bounds
         self._bound.publish(message)
 
@@ -232,24 +232,24 @@ class FleetManagerNode:
 
     def _on_poses(self, cdr: bytes) -> None:
         fleet = self._fleet
-        if fleet is None or not self._follower.in_step or not fleet.wants_places:
+        if fleet is None or not self._client.in_step or not fleet.wants_places:
             return
         poses = read_cdr(cdr, msg.Bots)
-        if self._live.belongs(poses.run, self._follower.run):
+        if self._live.belongs(poses.run, self._client.run):
             bots = from_ros(poses)
-            self._follower.now = max(self._follower.now, bots.time)
+            self._client.now = max(self._client.now, bots.time)
             self._next_places = bots.time + PLACES_S
-            self._follower.tell(bots)
+            self._client.tell(bots)
 
     def _look_at_fleet(self) -> None:
         fleet = self._fleet
-        if fleet is None or not self._follower.in_step:
+        if fleet is None or not self._client.in_step:
             return
         self._report.values["stalled_bots"] = "; ".join(f"{bot}: {why}" for bot, why in fleet.stalled.items()) or "none"
         tasks = fleet.tasks()
         if tasks != self._published:
             self._published = tasks
-            self._tasks.publish(to_ros_of(self._follower.run, Tasks(self._follower.now, tasks)))
+            self._tasks.publish(to_ros_of(self._client.run, Tasks(self._client.now, tasks)))
 
     def _carry(self, messages: list[Message]) -> None:
         for message in messages:

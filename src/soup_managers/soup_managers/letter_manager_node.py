@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 from soup_msgs import action, srv
 
+from soup_live.process import Live
 from soup_managers.explain import Explain
 from soup_managers.letter_manager import LetterManager
 from soup_managers.policies import LETTER, LetterPolicy
 from soup_managers.station_manager_node import StationManagerNode, role_rng, run_manager
 from soup_managers.view import WarehouseView
 from soup_msgs_py import topics
-from soup_msgs_py.live.process import Live
 from soup_msgs_py.messages import STORE
 from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.wire import Announcement

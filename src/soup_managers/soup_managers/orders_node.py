@@ -11,12 +11,12 @@ from collections.abc import Callable
 from rclpy.node import Node
 from soup_msgs import msg
 
+from soup_live.process import Live
+from soup_live.qos import EVERY_ONE
 from soup_msgs_py import mail, topics
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.process import Live
 from soup_msgs_py.mail import Mail
 from soup_msgs_py.messages import CancelDrive, CancelTrip, DriveGoal, DriveResult, TripGoal, TripResult
-from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import from_ros, to_order
 
 Result = DriveResult | TripResult

@@ -10,16 +10,17 @@ from typing import Any
 import numpy as np
 from soup_msgs import msg
 
+from soup_live.actions import GoalClient
+from soup_live.diagnostics import Report
+from soup_live.domain import stay_on_this_machine
+from soup_live.leader_election import ChargeWatch, InCharge
+from soup_live.process import Live, exit_status
+from soup_live.qos import EVERY_ONE, LATCHED
+from soup_live.world_client import WorldClient
 from soup_managers.explain import Explain, write_lines
 from soup_managers.station_manager import StationManager
 from soup_msgs_py import mail, topics
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.actions import GoalClient
-from soup_msgs_py.live.charge import ChargeWatch, InCharge
-from soup_msgs_py.live.domain import stay_on_this_machine
-from soup_msgs_py.live.follower import Follower
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import Report
 from soup_msgs_py.messages import (
     DELIVER,
     AssignBundle,
@@ -33,7 +34,6 @@ from soup_msgs_py.mind import Message, Mind
 from soup_msgs_py.output_files import SharedFile
 from soup_msgs_py.part_arguments import parse_manager
 from soup_msgs_py.policies import MANAGERS, PolicyChoice, load_policies
-from soup_msgs_py.qos import EVERY_ONE, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
 
 LOOK_FOR_FLEET_S = 1.0
@@ -78,8 +78,8 @@ class StationManagerNode:
         fleet = ChargeWatch(live, node, topics.FLEET_MANAGER_NODE)
         self._fleet = GoalClient(
             live, node, *action, signs=lambda: fleet.claim, term=lambda: fleet.claim,
-            sent=lambda: self._follower.mail.sent(mail.goals(kind)),
-            ended=lambda: self._follower.mail.got(mail.results(kind)),
+            sent=lambda: self._client.mail.sent(mail.goals(kind)),
+            ended=lambda: self._client.mail.got(mail.results(kind)),
         )  # fmt: skip
         starts = "python3 scripts/run_{}.py starts one"
         fleet_starts, world_starts = starts.format("fleet_manager"), starts.format("world")
@@ -94,7 +94,7 @@ class StationManagerNode:
             return mind
 
         self._charge = InCharge(live, node, self._report, policy, take_over=take_over)
-        self._follower = Follower(live, node, self._report, make, self._carry, self._missing)
+        self._client = WorldClient(live, node, self._report, make, self._carry, self._missing)
         if kind == DELIVER:
             live.subscribe(node, msg.Bound, topics.BOUND, self._on_bound, LATCHED)
         live.every(LOOK_FOR_FLEET_S, self._fleet.look)
@@ -102,7 +102,7 @@ class StationManagerNode:
     def _missing(self) -> str:
         if self._charge.missing:
             return self._charge.missing
-        if not self._follower.in_step and not self._world.service_is_ready():
+        if not self._client.in_step and not self._world.service_is_ready():
             return self._waits_for_world
         return "" if self._fleet.ready else self._waits_for_fleet
 
@@ -110,32 +110,32 @@ class StationManagerNode:
         for message in messages:
             match message:
                 case AssignWord() | AssignBundle():
-                    self._follower.call(self._world, to_ros(message), self._on_reply)
+                    self._client.call(self._world, to_ros(message), self._on_reply)
                 case DeliverGoal() | StoreGoal():
                     self._ask_fleet(message)
                 case CancelTask():
                     self._fleet.cancel(message.task)
 
     def _on_reply(self, response: Any) -> None:
-        self._follower.tell(from_ros(response))
+        self._client.tell(from_ros(response))
 
     def _on_bound(self, bound: msg.Bound) -> None:
         told = from_ros(bound)
-        if self._live.belongs(bound.run, self._follower.run):
-            self._follower.mail.got(mail.BOUND, bound.number)
-            self._follower.tell(told)
+        if self._live.belongs(bound.run, self._client.run):
+            self._client.mail.got(mail.BOUND, bound.number)
+            self._client.tell(told)
 
     def _ask_fleet(self, goal: DeliverGoal | StoreGoal) -> None:
         kind, task = self._kind, goal.task
 
         def on_feedback(feedback: Any) -> None:
-            self._follower.tell(task_feedback(feedback, kind, task))
+            self._client.tell(task_feedback(feedback, kind, task))
 
         def on_result(code: Code, message: str) -> None:
-            self._follower.tell(TaskResult(kind, task, code, message))
+            self._client.tell(TaskResult(kind, task, code, message))
 
         request = to_ros(goal)
-        request.run = self._follower.run
+        request.run = self._client.run
         self._fleet.send(task, request, on_feedback, on_result)
 
 

@@ -10,11 +10,11 @@ from rclpy.node import Node
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
+from soup_live.qos import SHOWN_LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.codes import BotState
 from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets
-from soup_msgs_py.qos import SHOWN_LATCHED
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.wire import to_stamp
 

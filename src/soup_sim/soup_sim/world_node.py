@@ -20,20 +20,20 @@ from rosgraph_msgs.msg import Clock
 from soup_msgs import msg, srv
 from std_srvs.srv import SetBool
 
+from soup_live.diagnostics import WAITS, PartsWatch, Report
+from soup_live.domain import only_world, stay_on_this_machine
+from soup_live.process import Live, exit_status
+from soup_live.qos import COMMANDS, EVERY_ONE, LATCHED, SHOWN
+from soup_live.services import Answer, serve
+from soup_live.vacancies import Vacancies
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.live.domain import only_world, stay_on_this_machine
-from soup_msgs_py.live.process import Live, exit_status
-from soup_msgs_py.live.report import WAITS, PartsWatch, Report
-from soup_msgs_py.live.services import Answer, serve
-from soup_msgs_py.live.vacancies import Vacancies
 from soup_msgs_py.messages import BotReply, Event, Heard, Reply, WorldState
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.output_files import OutputError
 from soup_msgs_py.part_arguments import parse_world
 from soup_msgs_py.policies import Policies, policies_of
-from soup_msgs_py.qos import COMMANDS, EVERY_ONE, LATCHED, SHOWN
 from soup_msgs_py.wire import (
     Announcement,
     assign_bundle_response,

@@ -24,11 +24,11 @@ from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 
+from soup_live.domain_id import domain_id
+from soup_live.ending import Ending, disarm
 from soup_msgs_py.blame import blaming
 from soup_msgs_py.display import display
 from soup_msgs_py.errors import InputError, RunError
-from soup_msgs_py.live.domain_id import domain_id
-from soup_msgs_py.live.ending import Ending, disarm
 from soup_msgs_py.wire import MalformedMessage, from_ros, read_cdr
 
 LONGEST_WAIT_S = 0.1  # between two looks at the signals

@@ -10,9 +10,9 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
+from soup_live.process import Live
+from soup_live.qos import EVERY_ONE
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import MalformedMessage, fill_result
 
 

@@ -6,8 +6,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from soup_msgs_py.errors import InputError
-from soup_msgs_py.live.domain import (
+from soup_live.domain import (
     LEFT_TO_OTHERS,
     LOCALHOST_ONLY,
     MOST_LOCAL,
@@ -19,6 +18,7 @@ from soup_msgs_py.live.domain import (
     TRANSPORTS,
     stay_on_this_machine,
 )
+from soup_msgs_py.errors import InputError
 
 
 def test_a_warehouse_keeps_to_its_machine():

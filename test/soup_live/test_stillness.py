@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from soup_msgs_py.live import process
+from soup_live import process
 
 
 @pytest.fixture

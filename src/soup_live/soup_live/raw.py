@@ -13,7 +13,7 @@ from rclpy.qos import QoSProfile
 from rclpy.type_support import check_for_type_support
 from rclpy.waitable import NumberOfEntities, Waitable
 
-from soup_msgs_py.live.process import Live
+from soup_live.process import Live
 
 NUMBER = "publication_sequence_number"
 

@@ -9,22 +9,22 @@ from typing import Any
 from rclpy.node import Node
 from soup_msgs import msg
 
+from soup_live.allegiance import Allegiance
+from soup_live.diagnostics import Report
+from soup_live.process import Live
+from soup_live.qos import EVERY_ONE, LATCHED
 from soup_msgs_py import topics
-from soup_msgs_py.allegiance import Allegiance
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.event_stream import EventStream
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.live.report import Report
 from soup_msgs_py.mail import Mail
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind
-from soup_msgs_py.qos import EVERY_ONE, LATCHED
 from soup_msgs_py.wire import Announcement, from_ros, read_cdr, to_ros_of
 
 LOOK_S = 0.1  # how often a part that waits looks whether it still has to
 
 
-class Follower:
+class WorldClient:
     """Carries what the world says to a mind, and what the mind says to `carry`.
 
     Until the part is ready (`missing` says what it still waits for) and in step with the events, the mind is

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import pytest
 
+from soup_live.election_rules import ALONE_S, LOOK_S, SETTLE_S, Election, Standing
 from soup_msgs_py.messages import Charge
-from soup_msgs_py.succession import ALONE_S, LOOK_S, SETTLE_S, Standing, Succession
 
 
-def candidate(rank: int) -> Succession:
+def candidate(rank: int) -> Election:
     """A candidate that has just been started."""
-    return Succession("word manager", rank, "served", 0.0)
+    return Election("word manager", rank, "served", 0.0)
 
 
 @pytest.fixture
-def first() -> Succession:
+def first() -> Election:
     """A candidate that is in charge."""
     first = candidate(5)
     first.look(LOOK_S)
@@ -47,7 +47,7 @@ def test_who_meets_nobody_claims_after_a_while():
     assert newcomer.look(ALONE_S + LOOK_S, alone=True)
 
 
-def test_a_second_one_stands_by_until_the_first_is_gone(first: Succession):
+def test_a_second_one_stands_by_until_the_first_is_gone(first: Election):
     second = candidate(9)
     second.alive(1)
     second.heard(first.claim)
@@ -70,12 +70,12 @@ def test_of_two_that_claim_at_once_one_stays(own: int, other: int, stays: bool):
     assert one.standing is (Standing.IN_CHARGE if stays else Standing.STANDS_BY)
 
 
-def test_one_that_was_thought_gone_and_comes_back_is_replaced(first: Succession):
+def test_one_that_was_thought_gone_and_comes_back_is_replaced(first: Election):
     first.heard(Charge("word manager", 2, 9, "served"))
     assert first.standing is Standing.REPLACED
 
 
-def test_its_own_claim_and_older_ones_do_not_disturb_who_is_in_charge(first: Succession):
+def test_its_own_claim_and_older_ones_do_not_disturb_who_is_in_charge(first: Election):
     first.heard(first.claim)
     first.heard(Charge("word manager", 1, 9, "served"))
     assert first.standing is Standing.IN_CHARGE

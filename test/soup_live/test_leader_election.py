@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from soup_msgs_py.live import charge
-from soup_msgs_py.live.charge import FORGOTTEN_S, SAY_AGAIN_S, SILENT_S, ChargeWatch
+from soup_live import leader_election as election
+from soup_live.leader_election import FORGOTTEN_S, SAY_AGAIN_S, SILENT_S, ChargeWatch
 from soup_msgs_py.messages import Charge
 
 
@@ -40,7 +40,7 @@ class Wires:
 def wires(monkeypatch: pytest.MonkeyPatch) -> Any:
     """A process with a clock of its own."""
     wires = Wires()
-    monkeypatch.setattr(charge, "time", SimpleNamespace(monotonic=lambda: wires.now))
+    monkeypatch.setattr(election, "time", SimpleNamespace(monotonic=lambda: wires.now))
     return wires
 
 

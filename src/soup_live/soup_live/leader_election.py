@@ -11,13 +11,13 @@ from rclpy.node import Node
 from soup_msgs import msg
 from std_srvs.srv import Trigger
 
+from soup_live.diagnostics import Report
+from soup_live.election_rules import Election, Standing
+from soup_live.process import HandsOver, Live
+from soup_live.qos import CLAIMS, LATCHED
+from soup_live.services import Answer, serve
 from soup_msgs_py import topics
-from soup_msgs_py.live.process import HandsOver, Live
-from soup_msgs_py.live.report import Report
-from soup_msgs_py.live.services import Answer, serve
 from soup_msgs_py.messages import Charge
-from soup_msgs_py.qos import CLAIMS, LATCHED
-from soup_msgs_py.succession import Standing, Succession
 from soup_msgs_py.wire import to_ros
 
 LOOK_S = 0.1
@@ -113,8 +113,8 @@ class InCharge:
         self._live, self._node, self._report, self._begin = live, node, report, begin
         self._policy = policy
         report.name = f"{live.name} (stands by)"
-        self._succession = Succession(live.name, secrets.randbits(RANK_BITS), policy, time.monotonic())
-        self._watch = ChargeWatch(live, node, node.get_name(), self._succession.heard)
+        self._election = Election(live.name, secrets.randbits(RANK_BITS), policy, time.monotonic())
+        self._watch = ChargeWatch(live, node, node.get_name(), self._election.heard)
         self._publisher: Any = None
         self._say_due = 0.0
         self._begun = False
@@ -127,7 +127,7 @@ class InCharge:
         """What the manager waits for; empty where it is in charge."""
         if self._begun:
             return ""
-        other = self._succession.other
+        other = self._election.other
         if self._watch.alive() and other is not None:
             return f"stands by for the {other.part} that follows {called(other.policy)}"
         return "looks whether another one is in charge"
@@ -136,21 +136,21 @@ class InCharge:
         return topics.of_manager(self._node.get_name(), name)
 
     def _look(self) -> None:
-        succession, wall = self._succession, time.monotonic()
-        succession.alive(self._watch.alive(succession.claim.rank, speaks=self._publisher is not None))
+        election, wall = self._election, time.monotonic()
+        election.alive(self._watch.alive(election.claim.rank, speaks=self._publisher is not None))
         # to count is slow among hundreds of bots
-        looks = succession.standing is Standing.LOOKS
-        if succession.look(wall, alone=looks and self._node.count_publishers(topics.CLOCK) == 0):
+        looks = election.standing is Standing.LOOKS
+        if election.look(wall, alone=looks and self._node.count_publishers(topics.CLOCK) == 0):
             self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), LATCHED)
             self._say_due = wall
         if self._publisher is not None and wall >= self._say_due:
             self._say_due = wall + SAY_AGAIN_S
-            self._publisher.publish(to_ros(succession.claim))
-        match succession.standing:
+            self._publisher.publish(to_ros(election.claim))
+        match election.standing:
             case Standing.IN_CHARGE if not self._begun:
                 self._begun = True
                 self._report.name = self._live.name
-                hands_back = self._asks is not None and succession.other is not None
+                hands_back = self._asks is not None and election.other is not None
                 back = "; Ctrl-C hands back" if hands_back else ""
                 print(f"{self._live.name}: in charge ({called(self._policy)}){back}", flush=True)
                 serve(self._live, self._node, Trigger, self._topic(topics.HAND_OVER), self._on_hand_over)

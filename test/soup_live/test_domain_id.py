@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from soup_live.domain_id import HIGHEST, VARIABLE, domain_id
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.live.domain_id import HIGHEST, VARIABLE, domain_id
 
 
 @pytest.mark.parametrize(("text", "number"), [(None, 0), ("", 0), ("0", 0), ("42", 42), (str(HIGHEST), HIGHEST)])

@@ -21,7 +21,7 @@ class Standing(Enum):
     REPLACED = "replaced"
 
 
-class Succession:
+class Election:
     """One candidate for a role.
 
     It looks around first; where somebody is in charge it stands by until that one is gone. Of two that take over

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 
+from soup_live.process import Live
+from soup_live.qos import EVERY_ONE
 from soup_msgs_py import topics
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import to_stamp
 
 PERIOD_S = 1.0

@@ -12,9 +12,9 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.node import Node
 from rclpy.qos import LivelinessPolicy, QoSProfile
 
+from soup_live.process import Live
+from soup_live.qos import EVERY_ONE
 from soup_msgs_py.codes import Code
-from soup_msgs_py.live.process import Live
-from soup_msgs_py.qos import EVERY_ONE
 from soup_msgs_py.wire import MalformedMessage, fill_result, read_result
 
 ACCEPTED_S = 3.0  # wall time; a server that has not answered then never got the goal

@@ -10,10 +10,10 @@ from pathlib import Path
 
 from rclpy.node import Node
 
+from soup_live.domain_id import VARIABLE, domain_id
+from soup_live.process import Live
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.live.domain_id import VARIABLE, domain_id
-from soup_msgs_py.live.process import Live
 
 DISCOVERY_S = 1.5  # a participant announces itself to its neighbours several times in this time
 RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from soup_msgs_py.live.vacancies import VACANT_S, Vacancies
+from soup_live.vacancies import VACANT_S, Vacancies
 
 ALL = ("word manager", "letter manager", "fleet manager")
 

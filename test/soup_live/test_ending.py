@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from soup_msgs_py.live import ending
+from soup_live import ending
 
 
 @pytest.mark.parametrize("to_the_last", [True, False])

@@ -1,1 +1,0 @@
-"""The live graph: processes, services, actions and followers of the world, around minds that know no ROS."""
