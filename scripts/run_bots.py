@@ -7,7 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import POLICIES, start
-from soup_msgs_py.part_arguments import parse_bots
+from soup_msgs_py.command_line.part_arguments import parse_bots
 
 if __name__ == "__main__":
     sys.exit(start("soup_bots.bot_node", parse_bots, policies=POLICIES))

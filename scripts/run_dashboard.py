@@ -7,7 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import start
-from soup_msgs_py.part_arguments import parse_dashboard
+from soup_msgs_py.command_line.part_arguments import parse_dashboard
 
 if __name__ == "__main__":
     sys.exit(start("soup_dashboard.dashboard_node", parse_dashboard))

@@ -15,6 +15,7 @@ INTERFACES = {"msg": ["Event.msg"], "srv": ["Grab.srv"], "action": ["Drive.actio
 PROGRAMS = {
     "soup_msgs": [],
     "soup_msgs_py": [],
+    "soup_live": [],
     "soup_sim": ["world"],
     "soup_bots": ["bots"],
     "soup_managers": ["fleet_manager", "letter_manager", "word_manager"],

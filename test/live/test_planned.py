@@ -7,7 +7,7 @@ import json
 import pytest
 
 import _environment
-from soup_msgs_py.cell_world import PITCH_M, read_world
+from soup_msgs_py.warehouse.cell_world import PITCH_M, read_world
 
 from .conftest import Parts
 

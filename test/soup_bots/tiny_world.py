@@ -7,7 +7,6 @@ import numpy as np
 from soup_bots.crew import Crew
 from soup_bots.steering import KNOWN
 from soup_msgs_py.codes import BotState, Code, EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
     BotReply,
     Bots,
@@ -21,7 +20,9 @@ from soup_msgs_py.messages import (
     Snapshot,
     Transfer,
 )
-from soup_msgs_py.scenario import BotParameters, BucketParameters, Floor, Scenario
+from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.parameters import BotParameters, BucketParameters, Floor
+from soup_msgs_py.warehouse.layout import Layout
 
 STEP_S = 0.025
 

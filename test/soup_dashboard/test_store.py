@@ -11,7 +11,6 @@ import pytest
 from soup_dashboard.page import Shown
 from soup_dashboard.store import LATEST_WORDS, Store
 from soup_msgs_py.codes import BotState, EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
     Bots,
     Buckets,
@@ -22,7 +21,9 @@ from soup_msgs_py.messages import (
     Word,
     WordStationState,
 )
-from soup_msgs_py.scenario import Floor, Scenario
+from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.parameters import Floor
+from soup_msgs_py.warehouse.layout import Layout
 
 # letter station 1 . . storage spot . . word station 0
 LAYOUT = Layout(

@@ -7,7 +7,7 @@ import pytest
 
 from soup_lab.headless_cli import main
 from soup_managers.explain import DECISIONS
-from soup_msgs_py.tiles import parse_tile
+from soup_msgs_py.warehouse.tiles import parse_tile
 
 ROOT = Path(__file__).resolve().parents[2]
 

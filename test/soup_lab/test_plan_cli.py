@@ -13,8 +13,8 @@ from soup_lab.plan_picture import draw_paths
 from soup_managers.planners.check import play
 from soup_managers.planners.optimal import optimal
 from soup_managers.planners.plan import Task
-from soup_msgs_py.cell_world import read_world
 from soup_msgs_py.figures import told as figure
+from soup_msgs_py.warehouse.cell_world import read_world
 
 WORLD = str(Path(__file__).resolve().parents[2] / "config/worlds/small1-2r.txt")
 KEYS = {

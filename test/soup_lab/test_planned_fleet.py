@@ -21,10 +21,10 @@ from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import FLEET, Task
 from soup_managers.planners.precedence import actions_of
 from soup_managers.policies.planned import Planned
-from soup_msgs_py.cell_world import World, parse_world
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import CellsLayout
 from soup_msgs_py.policies import load_policies
+from soup_msgs_py.scenario.floor_plan import CellsLayout
+from soup_msgs_py.warehouse.cell_world import World, parse_world
 from soup_sim.setup import load_warehouse
 from soup_sim.validate import Judge
 

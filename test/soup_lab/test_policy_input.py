@@ -12,7 +12,7 @@ from soup_lab import headless_cli
 from soup_lab.headless import make_minds
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.policies import Policies, load_policies
-from soup_msgs_py.yaml_input import validate
+from soup_msgs_py.reading.yaml_input import validate
 
 NAN = float("nan")
 OWN = """\

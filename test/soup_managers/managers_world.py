@@ -17,7 +17,6 @@ from soup_managers.router import Router
 from soup_managers.view import WarehouseView
 from soup_managers.word_manager import WordManager
 from soup_msgs_py.codes import Code, EventType, Phase
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
     DELIVER,
     AssignBundle,
@@ -40,7 +39,9 @@ from soup_msgs_py.messages import (
     Word,
     WordStationState,
 )
-from soup_msgs_py.scenario import Floor, Scenario, WordStationParameters
+from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.parameters import Floor, WordStationParameters
+from soup_msgs_py.warehouse.layout import Layout
 
 PITCH = 3.0
 

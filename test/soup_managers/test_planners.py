@@ -12,8 +12,8 @@ from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.moves import Moves
 from soup_managers.planners.plan import DEFAULT, PAPER, Task
 from soup_managers.planners.remaining import Remaining
-from soup_msgs_py.cell_world import parse_world, read_world
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.warehouse.cell_world import parse_world, read_world
 
 WORLDS = Path(__file__).resolve().parents[2] / "config/worlds"
 # what the paper prints for its medium world; of the second robot's letters an L and a U got lost

@@ -11,8 +11,8 @@ from numba import njit
 from soup_managers.planners.check import check_plan
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import DEFAULT, FLEET, PAPER, Rules, Task
-from soup_msgs_py.cell_world import World, parse_world
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.warehouse.cell_world import World, parse_world
 
 WORLDS = 200
 LARGEST = 8  # rows and columns

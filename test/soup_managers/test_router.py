@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from soup_managers.grid import PointGrid
 from soup_managers.router import STATION_DETOUR_M, Router
-from soup_msgs_py.layout import Layout
+from soup_msgs_py.warehouse.layout import Layout
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -10,7 +10,7 @@ from typing import TextIO
 import pytest
 from rich.console import Console
 
-from soup_msgs_py.display import on_display
+from soup_msgs_py.command_line.display import on_display
 
 
 @on_display

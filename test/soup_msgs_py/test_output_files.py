@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from soup_msgs_py.command_line.output_files import GrowingFile, OutputError, SharedFile, whole, write_whole
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.output_files import GrowingFile, OutputError, SharedFile, whole, write_whole
 
 LINES = [f"line {number}\n" for number in range(100)]
 

@@ -23,8 +23,8 @@ import _environment
 from soup_msgs_py import messages as m
 from soup_msgs_py import wire
 from soup_msgs_py.codes import BotState, Code, EventType, Phase
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import load_scenario
+from soup_msgs_py.warehouse.layout import Layout
 from soup_msgs_py.wire import basics
 
 DEMO = load_scenario(_environment.ROOT / "config" / "scenarios" / "demo.yaml")

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from soup_msgs_py.words import FOREIGN, NUMBER, SINGLE_LETTER, WordFileError, WordList, read_words
+from soup_msgs_py.warehouse.words import FOREIGN, NUMBER, SINGLE_LETTER, WordFileError, WordList, read_words
 
 WORDS = Path(__file__).resolve().parents[2] / "config" / "words"
 
@@ -197,6 +197,6 @@ def test_a_file_without_a_usable_word_is_refused_with_what_it_holds(text_file):
 
 
 def test_a_huge_file_is_refused(text_file, monkeypatch):
-    monkeypatch.setattr("soup_msgs_py.words.MAX_FILE_MB", 1)
+    monkeypatch.setattr("soup_msgs_py.warehouse.words.MAX_FILE_MB", 1)
     assert len(read_words(text_file("ab " * 333_333)).words) == 333_333
     assert "found more than 1 MB; allowed: at most 1 MB" in refusal(text_file("ab " * 333_334))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.yaml_text import DEEPEST, MOST_VALUES, load_yaml
+from soup_msgs_py.reading.yaml_text import DEEPEST, MOST_VALUES, load_yaml
 
 
 def load(text: str) -> object:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario, load_scenario, load_words
-from soup_msgs_py.words import WordList
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.words import WordList
 from soup_sim.layouts import make_layout
 from soup_sim.world import World
 

@@ -15,9 +15,9 @@ from scipy.spatial import cKDTree
 from scipy.spatial.distance import pdist
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import MapLayout
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario, load_scenario, scenario_from_json
+from soup_msgs_py.scenario.floor_plan import MapLayout
+from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.layouts import make_layout
 from soup_sim.setup import load_warehouse
 

@@ -11,7 +11,7 @@ from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.scenario import load_scenario
-from soup_msgs_py.tiles import tile_letter
+from soup_msgs_py.warehouse.tiles import tile_letter
 from soup_sim.checkpoint import fingerprint, restore_checkpoint, write_checkpoint
 from soup_sim.setup import load_warehouse
 from soup_sim.world import World

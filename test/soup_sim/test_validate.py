@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from soup_msgs_py.codes import BotState, EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
     Bots,
     Buckets,
@@ -22,14 +21,15 @@ from soup_msgs_py.messages import (
     Word,
     WordStationState,
 )
-from soup_msgs_py.scenario import (
+from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.parameters import (
     BotParameters,
     BucketParameters,
     Floor,
     LetterStationParameters,
-    Scenario,
     WordStationParameters,
 )
+from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.validate import Judge, Law, judge_log
 
 A, B, C = 0, 1, 2

@@ -24,8 +24,8 @@ from soup_live.process import Live
 from soup_live.qos import CHARGES, COMMANDS, DISPLAY, EVERY_ONE, LATCHED
 from soup_live.world_client import WorldClient
 from soup_msgs_py import mail, topics
-from soup_msgs_py.arguments import written_bots
 from soup_msgs_py.codes import Code
+from soup_msgs_py.command_line.arguments import written_bots
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import (
     BotReply,

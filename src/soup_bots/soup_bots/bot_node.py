@@ -18,6 +18,7 @@ from soup_live.qos import COMMANDS, LATCHED
 from soup_live.services import Answer, serve
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
+from soup_msgs_py.command_line.part_arguments import parse_bots
 from soup_msgs_py.messages import (
     BotReply,
     BotStatus,
@@ -32,7 +33,6 @@ from soup_msgs_py.messages import (
     TripResult,
 )
 from soup_msgs_py.mind import Message
-from soup_msgs_py.part_arguments import parse_bots
 from soup_msgs_py.policies import load_policies
 from soup_msgs_py.wire import (
     drive_goal,

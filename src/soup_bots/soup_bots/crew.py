@@ -32,11 +32,11 @@ from soup_bots.steering.base import (
     follow_all,
 )
 from soup_msgs_py.codes import BotState, EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets, DriveGoal, Event, FollowPath, SetVelocities, Snapshot
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.mistakes import Mistakes
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 
 GOLDEN = 0.6180339887498949  # multiples of it, without their integer part, are never close
 STANDING = 0.1  # share of the maximum speed below which a bot counts as standing

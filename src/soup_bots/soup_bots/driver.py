@@ -8,9 +8,9 @@ from itertools import pairwise
 
 from soup_bots.passing import corner_ahead
 from soup_msgs_py.codes import Phase
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import BotStatus, DriveFeedback, FollowPath, Point, Trip, TripFeedback
 from soup_msgs_py.mind import NEVER, Message
+from soup_msgs_py.warehouse.layout import Layout
 
 LOOK_AGAIN_S = 20.0  # simulated: between two looks whether the body still works for a mind before
 OVERDUE_S = 2.0  # simulated: so long after a path should have ended, nobody will say any more that it has

@@ -6,9 +6,9 @@ import numpy as np
 
 from soup_bots.crew import Crew
 from soup_bots.steering.base import Steering
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets, DriveGoal
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 
 
 def rehearse(scenario: Scenario, layout: Layout, steering: Steering, rng: np.random.Generator) -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from soup_msgs_py.codes import BotState
 from soup_msgs_py.messages import Bots, Buckets, Event, Floats, Snapshot
-from soup_msgs_py.parameters import Sensing
+from soup_msgs_py.scenario.parameters import Sensing
 
 NOWHERE = -1e6  # m: where a bot is told to be what it does not see
 Flags = NDArray[np.bool_]

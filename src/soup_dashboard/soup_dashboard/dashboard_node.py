@@ -15,9 +15,9 @@ from soup_live.process import Live, exit_status
 from soup_live.qos import EVERY_ONE, LATCHED, WATCH
 from soup_live.vacancies import Vacancies
 from soup_msgs_py import topics
-from soup_msgs_py.arguments import refuse_port_in_use
+from soup_msgs_py.command_line.arguments import refuse_port_in_use
+from soup_msgs_py.command_line.part_arguments import parse_dashboard
 from soup_msgs_py.errors import RunError
-from soup_msgs_py.part_arguments import parse_dashboard
 from soup_msgs_py.wire import Announcement, from_statistics
 
 PORT = 8080

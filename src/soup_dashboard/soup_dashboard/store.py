@@ -9,10 +9,10 @@ from typing import Any
 
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.figures import rows
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets, Event, Stations, Word
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 
 LATEST_WORDS = 12  # completed words on the page
 METRE_DIGITS = 2

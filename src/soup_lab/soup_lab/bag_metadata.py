@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field, field_validator
 
 from soup_lab.bag_writer import METADATA, VERSION
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.yaml_input import read_mapping, validate
+from soup_msgs_py.reading.yaml_input import read_mapping, validate
 
 ALLOWED = "a rosbag2 bag"
 REPAIRED = f"what rosbag2 writes (a bag without its {METADATA} is repaired when it is opened)"

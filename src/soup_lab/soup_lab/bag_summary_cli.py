@@ -16,10 +16,10 @@ from soup_lab.bag_course import Course, read_course
 from soup_lab.bag_judge import Verdict, judge_course
 from soup_lab.bag_reader import Bag, open_bag
 from soup_lab.bag_summary import differences, summarize
-from soup_msgs_py.display import on_display
+from soup_msgs_py.command_line.display import on_display
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.figures import known
-from soup_msgs_py.files import read_text
+from soup_msgs_py.reading.files import read_text
 from soup_sim.summary import table, write_summary
 
 FIGURES = "a summary that --summary has written"

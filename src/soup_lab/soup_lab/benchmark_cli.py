@@ -13,9 +13,9 @@ from rich.table import Table
 from soup_lab.lab_arguments import ENGINE, PLANNER, parse_benchmark
 from soup_lab.planner_speed import NEW, draw_searches, searches
 from soup_lab.speed import Measured, at_constant_density, growth, measure_apart
-from soup_msgs_py.display import on_display
+from soup_msgs_py.command_line.display import on_display
+from soup_msgs_py.command_line.output_files import OutputError
 from soup_msgs_py.figures import written
-from soup_msgs_py.output_files import OutputError
 from soup_msgs_py.policies import Policies, load_policies
 from soup_sim.summary import write_summary
 

@@ -22,10 +22,10 @@ from soup_lab.compare_store import Store
 from soup_lab.compare_table import markdown, screen
 from soup_lab.lab_arguments import parse_compare
 from soup_lab.runs import Summary
-from soup_msgs_py.display import on_display
+from soup_msgs_py.command_line.display import on_display
+from soup_msgs_py.command_line.output_files import OutputError, write_whole
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.figures import told
-from soup_msgs_py.output_files import OutputError, write_whole
 
 STARTS = 3
 TABLE_WIDTH = 200  # characters that the table needs; a file or a pipe has them

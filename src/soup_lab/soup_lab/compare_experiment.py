@@ -15,9 +15,9 @@ from soup_lab.compare_identity import settings_digest
 from soup_lab.headless import make_minds
 from soup_lab.runs import RunPlan
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.files import folder_of, read_text
 from soup_msgs_py.policies import ROLES, Policies, PolicyChoice, anchor, load_policies, name_alone
-from soup_msgs_py.yaml_input import LARGEST_FILE_BYTES, read_mapping, validate
+from soup_msgs_py.reading.files import folder_of, read_text
+from soup_msgs_py.reading.yaml_input import LARGEST_FILE_BYTES, read_mapping, validate
 from soup_sim.setup import Warehouse, load_warehouse
 
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.parameters import NotNegative, Part, Positive
-from soup_msgs_py.yaml_input import Model, read_mapping, validate
+from soup_msgs_py.reading.yaml_input import Model, read_mapping, validate
+from soup_msgs_py.scenario.parameters import NotNegative, Part, Positive
 
 Name = Annotated[str, Field(min_length=1, max_length=60)]
 Seed = Annotated[int, Field(ge=0, lt=2**63)]

@@ -12,8 +12,8 @@ from types import TracebackType
 from typing import Any
 
 from soup_lab.runs import Summary
+from soup_msgs_py.command_line.output_files import OutputError, Tell, tell_on_stderr, why, write_whole
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.output_files import OutputError, Tell, tell_on_stderr, why, write_whole
 
 FILE = "results.jsonl"
 

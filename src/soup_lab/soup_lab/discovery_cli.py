@@ -8,8 +8,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from soup_msgs_py.arguments import Parser, port
-from soup_msgs_py.display import on_display
+from soup_msgs_py.command_line.arguments import Parser, port
+from soup_msgs_py.command_line.display import on_display
 
 PROGRAM = "fast-discovery-server"
 PORT = 11811  # that of Fast DDS

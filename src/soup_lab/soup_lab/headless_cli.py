@@ -13,10 +13,10 @@ from rich.table import Table
 from soup_lab.headless import Headless, make_minds
 from soup_lab.headless_arguments import POLICIES, parse
 from soup_lab.runs import MISTAKES, RunPlan, Summary, combine, run_many, run_once
-from soup_msgs_py.display import on_display
+from soup_msgs_py.command_line.display import on_display
+from soup_msgs_py.command_line.output_files import GrowingFile
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.figures import rows, told
-from soup_msgs_py.output_files import GrowingFile
 from soup_msgs_py.policies import ROLES, load_policies
 from soup_sim.setup import load_warehouse
 from soup_sim.summary import table, write_summary

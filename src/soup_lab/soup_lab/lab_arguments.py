@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from soup_managers.planners.plan import RULES
-from soup_msgs_py import arguments as args
-from soup_msgs_py.part_arguments import parse_bots, parse_manager
+from soup_msgs_py.command_line import arguments as args
+from soup_msgs_py.command_line.part_arguments import parse_bots, parse_manager
 from soup_msgs_py.policies import MANAGERS
 
 PLANNERS = ("optimal", "anytime", "multi-action", "single-action")  # said here, too, since to load them takes seconds

@@ -16,11 +16,11 @@ from soup_lab.plan_picture import draw_plan
 from soup_managers.planners.check import LOADED, check_plan, draw, play
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import RULES, Answer, Task
-from soup_msgs_py.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, read_world
-from soup_msgs_py.display import on_display
+from soup_msgs_py.command_line.display import on_display
+from soup_msgs_py.command_line.output_files import OutputError
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.figures import PLAN_FIGURES, rows
-from soup_msgs_py.output_files import OutputError
+from soup_msgs_py.warehouse.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, read_world
 from soup_sim.summary import write_summary
 
 SHOWN_STEP_S = 0.15

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from soup_managers.planners.check import Picture, play
-from soup_msgs_py.cell_world import World
-from soup_msgs_py.output_files import whole
+from soup_msgs_py.command_line.output_files import whole
+from soup_msgs_py.warehouse.cell_world import World
 
 INCHES_A_CELL = 0.3
 FRAMES_A_SECOND = 4

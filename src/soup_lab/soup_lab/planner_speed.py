@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import PAPER, Answer, Task
-from soup_msgs_py.cell_world import World, parse_world, read_world
-from soup_msgs_py.output_files import whole
+from soup_msgs_py.command_line.output_files import whole
+from soup_msgs_py.warehouse.cell_world import World, parse_world, read_world
 
 OLD, NEW = ("single-action", "multi-action"), "optimal"
 COLOURS = {"single-action": "#c8553d", "multi-action": "#3d4852", NEW: "#1b7f5c"}

@@ -14,8 +14,8 @@ from soup_lab.headless import Headless
 from soup_lab.pool import share_out
 from soup_managers.explain import write_lines
 from soup_msgs_py.blame import blaming
+from soup_msgs_py.command_line.output_files import Lines
 from soup_msgs_py.messages import Event
-from soup_msgs_py.output_files import Lines
 from soup_msgs_py.policies import Policies
 from soup_sim.checkpoint import come_to_rest
 from soup_sim.event_log import EventLog

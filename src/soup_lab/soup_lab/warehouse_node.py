@@ -33,10 +33,10 @@ from soup_live.domain import refuse_second_world, stay_on_this_machine
 from soup_live.leader_election import called
 from soup_live.process import Live, exit_status
 from soup_live.qos import DISPLAY
-from soup_msgs_py import arguments as args
 from soup_msgs_py import topics
+from soup_msgs_py.command_line import arguments as args
+from soup_msgs_py.command_line.output_files import why, write_whole
 from soup_msgs_py.errors import InputError, RunError
-from soup_msgs_py.output_files import why, write_whole
 from soup_msgs_py.policies import MANAGERS, ROLES, Policies, load_policies
 from soup_msgs_py.wire import from_statistics
 from soup_sim.setup import load_warehouse

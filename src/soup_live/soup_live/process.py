@@ -27,7 +27,7 @@ from rclpy.subscription import Subscription
 from soup_live.domain_id import domain_id
 from soup_live.ending import Ending, disarm
 from soup_msgs_py.blame import blaming
-from soup_msgs_py.display import display
+from soup_msgs_py.command_line.display import display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.wire import MalformedMessage, from_ros, read_cdr
 

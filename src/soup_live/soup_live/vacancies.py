@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from soup_live.diagnostics import PartsWatch
-from soup_msgs_py.arguments import bots, written_bots
+from soup_msgs_py.command_line.arguments import bots, written_bots
 from soup_msgs_py.policies import MANAGERS
 
 VACANT_S = 10.0  # wall time; a part that is started again, or takes over, needs less

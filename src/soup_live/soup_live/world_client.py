@@ -11,11 +11,11 @@ from soup_msgs import msg
 
 from soup_live.allegiance import Allegiance
 from soup_live.diagnostics import Report
+from soup_live.event_stream import EventStream
 from soup_live.process import Live
 from soup_live.qos import EVERY_ONE, LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.event_stream import EventStream
 from soup_msgs_py.mail import Mail
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard, Snapshot
 from soup_msgs_py.mind import NEVER, Message, Mind

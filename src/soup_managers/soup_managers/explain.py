@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_msgs_py.output_files import Lines
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.command_line.output_files import Lines
+from soup_msgs_py.warehouse.tiles import tile_name
 
 ALTERNATIVES = 5
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from soup_msgs_py.layout import Floats
+from soup_msgs_py.warehouse.layout import Floats
 
 
 class PointGrid:

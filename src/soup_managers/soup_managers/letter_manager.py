@@ -11,10 +11,10 @@ from soup_managers.policies.letter import LetterPolicy
 from soup_managers.station_manager import StationManager
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.layout import Floats, Layout
 from soup_msgs_py.messages import STORE, AssignBundle, AssignWord, Event, StoreGoal
 from soup_msgs_py.mind import Message
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Floats, Layout
 
 _REACTS_TO = frozenset(
     {EventType.BUNDLE_STAGED, EventType.BUNDLE_EMPTIED, EventType.BUNDLE_ARRIVED, EventType.WORD_ASSIGNED}

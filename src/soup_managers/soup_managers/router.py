@@ -10,8 +10,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from soup_managers.trees import count_turns, descend, grow
-from soup_msgs_py.layout import Floats, Ints, Layout
 from soup_msgs_py.messages import Point
+from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 
 STATION_DETOUR_M = 30.0  # how much further to drive rather than through a station, where a bot may be served
 KEPT_TREES = 64

@@ -21,6 +21,8 @@ from soup_managers.explain import Explain, write_lines
 from soup_managers.station_manager import StationManager
 from soup_msgs_py import mail, topics
 from soup_msgs_py.codes import Code
+from soup_msgs_py.command_line.output_files import SharedFile
+from soup_msgs_py.command_line.part_arguments import parse_manager
 from soup_msgs_py.messages import (
     DELIVER,
     AssignBundle,
@@ -31,8 +33,6 @@ from soup_msgs_py.messages import (
     TaskResult,
 )
 from soup_msgs_py.mind import Message, Mind
-from soup_msgs_py.output_files import SharedFile
-from soup_msgs_py.part_arguments import parse_manager
 from soup_msgs_py.policies import MANAGERS, PolicyChoice, load_policies
 from soup_msgs_py.wire import Announcement, from_ros, task_feedback, to_ros
 

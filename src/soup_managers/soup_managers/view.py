@@ -8,10 +8,10 @@ import numpy as np
 
 from soup_managers.grid import PointGrid
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Bundle, Event, Snapshot, Word
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import LETTERS
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import LETTERS
 
 MOST_REFUSED = 2  # snapshots in a row
 

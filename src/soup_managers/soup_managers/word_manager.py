@@ -11,10 +11,10 @@ from soup_managers.policies.word import WordPolicy
 from soup_managers.station_manager import StationManager
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import DELIVER, AssignBundle, AssignWord, Bound, DeliverGoal, Event
 from soup_msgs_py.mind import Message
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 
 _REACTS_TO = frozenset({EventType.WORD_ASSIGNED, EventType.WORD_ARRIVED, EventType.WORD_CLEARED})
 

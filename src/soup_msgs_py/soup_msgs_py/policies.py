@@ -14,11 +14,11 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from soup_msgs_py.blame import told
-from soup_msgs_py.cell_world import SUFFIX
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.files import check_regular, folder_of, whole_path
-from soup_msgs_py.options import check_options
-from soup_msgs_py.yaml_input import read_mapping, validate
+from soup_msgs_py.reading.files import check_regular, folder_of, whole_path
+from soup_msgs_py.reading.options import check_options
+from soup_msgs_py.reading.yaml_input import read_mapping, validate
+from soup_msgs_py.warehouse.cell_world import SUFFIX
 
 MANAGERS = ("word", "letter", "fleet")
 ROLES = (*MANAGERS, "bot")

@@ -9,11 +9,11 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from soup_msgs_py.demand import BundleFile, OrderFile, PoissonBundles, PoissonOrders
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.files import read_text
+from soup_msgs_py.reading.files import read_text
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import parse_tile
+from soup_msgs_py.scenario.demand import BundleFile, OrderFile, PoissonBundles, PoissonOrders
+from soup_msgs_py.warehouse.tiles import parse_tile
 
 HOUR_S = 3600.0
 _LARGEST_FILE_BYTES = 50_000_000

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_msgs_py.kernel import kernel
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Floats, Ints, Point
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 from soup_sim import motion
 from soup_sim.contact import begin_window, contacts_of_some
 

@@ -17,9 +17,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from soup_msgs_py.codes import BotState
+from soup_msgs_py.command_line.output_files import LONGEST_NAME, why, write_whole
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import SetVelocity
-from soup_msgs_py.output_files import LONGEST_NAME, why, write_whole
 from soup_msgs_py.scenario import Scenario
 from soup_sim.checkpoint_state import Books, check_state
 from soup_sim.world import World

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from soup_msgs_py.codes import BotState
-from soup_msgs_py.output_files import Written
+from soup_msgs_py.command_line.output_files import Written
 from soup_sim.checkpoint_parts import (
     Agenda,
     Amount,

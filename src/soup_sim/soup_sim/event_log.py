@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import fields
 
+from soup_msgs_py.command_line.output_files import Lines
 from soup_msgs_py.messages import Event
-from soup_msgs_py.output_files import Lines
 
 _DEFAULTS = {f.name: f.default for f in fields(Event)}
 _OPTIONAL = tuple(f.name for f in fields(Event) if f.name not in ("time", "sequence", "type"))

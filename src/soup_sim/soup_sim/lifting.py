@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from soup_msgs_py.codes import BotState, Code, EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Grab, Release, Reply, SetStorageSpot
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.agenda import Common
 from soup_sim.storage import Storage
 

@@ -13,9 +13,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 from soup_live.qos import SHOWN_LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.codes import BotState
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 from soup_msgs_py.wire import to_stamp
 
 FLOOR = ColorRGBA(r=0.93, g=0.93, b=0.91, a=1.0)

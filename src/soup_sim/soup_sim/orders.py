@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from soup_msgs_py.demand import AllOrders, Backlog, PoissonBundles, PoissonOrders
 from soup_msgs_py.messages import Bundle, Floats, Word
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import LETTERS, tile_kind, tile_letter
-from soup_msgs_py.words import WordList
+from soup_msgs_py.scenario.demand import AllOrders, Backlog, PoissonBundles, PoissonOrders
+from soup_msgs_py.warehouse.tiles import LETTERS, tile_kind, tile_letter
+from soup_msgs_py.warehouse.words import WordList
 from soup_sim.arrivals import Arrivals, TimedBundle, TimedWord
 
 

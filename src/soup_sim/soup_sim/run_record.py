@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from soup_msgs_py.command_line.output_files import GrowingFile, Tell, tell_on_stderr
 from soup_msgs_py.messages import Bots, Buckets, Event
-from soup_msgs_py.output_files import GrowingFile, Tell, tell_on_stderr
 from soup_msgs_py.policies import Policies
 from soup_sim.checkpoint_state import Books
 from soup_sim.event_log import EventLog

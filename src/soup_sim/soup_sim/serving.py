@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_msgs_py.codes import BotState, Code, EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Transfer
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.agenda import Common
 from soup_sim.station_policies import station_policies
 from soup_sim.stations import Contents, LetterStation, Station, Visit, WordStation

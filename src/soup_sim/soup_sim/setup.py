@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from soup_msgs_py.layout import Layout
+from soup_msgs_py.reading.yaml_input import Overrides
 from soup_msgs_py.scenario import Scenario, load_scenario, load_words
-from soup_msgs_py.words import WordList
-from soup_msgs_py.yaml_input import Overrides
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.words import WordList
 from soup_sim.arrivals import TimedBundle, TimedWord, read_timed_bundles, read_timed_words
 from soup_sim.layouts import make_layout
 from soup_sim.station_policies import station_policies

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from soup_msgs_py.codes import BotState
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Snapshot, Word
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 
 STALLED = "nothing has been moved since"
 LEAST_S = 60.0

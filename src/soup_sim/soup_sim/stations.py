@@ -11,7 +11,7 @@ import numpy as np
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import RunError
 from soup_msgs_py.messages import Bundle, LetterStationState, TileMove, Word, WordStationState
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.tiles import tile_name
 from soup_sim.station_policies import StationPolicy, Waiting
 
 Contents = dict[int, int]

@@ -6,8 +6,8 @@ import math
 from typing import Any
 
 from soup_msgs_py.codes import Code
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 
 Problem = tuple[Code, str]
 

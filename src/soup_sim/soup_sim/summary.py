@@ -10,8 +10,8 @@ from typing import Any
 
 from rich.table import Table
 
+from soup_msgs_py.command_line.output_files import OutputError, Tell, tell_on_stderr, write_whole
 from soup_msgs_py.figures import FIGURES, rows
-from soup_msgs_py.output_files import OutputError, Tell, tell_on_stderr, write_whole
 from soup_msgs_py.policies import ROLES, Policies
 from soup_msgs_py.scenario import Scenario
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import BotState, Code, EventType
-from soup_msgs_py.floor_plan import CellsLayout
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.words import WordList
+from soup_msgs_py.scenario.floor_plan import CellsLayout
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.words import WordList
 from soup_sim.agenda import Agenda, Common, Said
 from soup_sim.arrivals import TimedBundle, TimedWord
 from soup_sim.bodies import Bodies

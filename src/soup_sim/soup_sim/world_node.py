@@ -28,11 +28,11 @@ from soup_live.services import Answer, serve
 from soup_live.vacancies import Vacancies
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
+from soup_msgs_py.command_line.output_files import OutputError
+from soup_msgs_py.command_line.part_arguments import parse_world
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import BotReply, Event, Heard, Reply, WorldState
 from soup_msgs_py.mind import NEVER, Message
-from soup_msgs_py.output_files import OutputError
-from soup_msgs_py.part_arguments import parse_world
 from soup_msgs_py.policies import Policies, policies_of
 from soup_msgs_py.wire import (
     Announcement,

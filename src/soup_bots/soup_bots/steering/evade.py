@@ -6,7 +6,7 @@ from soup_bots.steering.arrays import Norms, bots_of, buckets_of, make_memory, m
 from soup_bots.steering.base import Steer, Steering, SteerView, follow_all
 from soup_bots.steering.looking import Desk, make_desk
 from soup_bots.steering.rows import steer_rows
-from soup_msgs_py.parameters import NotNegative, Positive
+from soup_msgs_py.scenario.parameters import NotNegative, Positive
 
 
 class Evade(Steering):

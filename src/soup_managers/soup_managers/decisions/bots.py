@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from soup_managers.fleets.coordinated.situation import Situation
-from soup_msgs_py.layout import Floats, Ints
+from soup_msgs_py.warehouse.layout import Floats, Ints
 
 
 class BotChoice(ABC):

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from soup_managers.fleets.coordinated.situation import Situation, Want
-from soup_msgs_py.layout import Floats
+from soup_msgs_py.warehouse.layout import Floats
 
 
 class BucketChoice(ABC):

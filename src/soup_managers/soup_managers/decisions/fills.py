@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from soup_managers.fleets.coordinated.situation import Fill, Situation
-from soup_msgs_py.layout import Floats
+from soup_msgs_py.warehouse.layout import Floats
 
 
 class FillChoice(ABC):

@@ -8,7 +8,7 @@ import numpy as np
 
 from soup_managers.fleets.coordinated.robots import Robot
 from soup_managers.fleets.coordinated.situation import Situation
-from soup_msgs_py.layout import Floats
+from soup_msgs_py.warehouse.layout import Floats
 
 
 class OnwardChoice(ABC):

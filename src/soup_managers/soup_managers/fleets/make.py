@@ -15,10 +15,10 @@ from soup_managers.policies.planned import Planned
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import CellsLayout
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.floor_plan import CellsLayout
+from soup_msgs_py.warehouse.layout import Layout
 
 Fleet = TripFleet | CoordinatedFleet | PlannedFleet
 

@@ -22,8 +22,8 @@ from soup_managers.planners.remaining import MOST_OWNERS, Remaining
 from soup_managers.planners.sequences import Distances, Ints, anneal, first_sequences, least_makespan
 from soup_managers.planners.spacetime import FOR_EVER, Calendar, letters_of, sides_of
 from soup_managers.planners.successors import fewest_steps
-from soup_msgs_py.cell_world import World
 from soup_msgs_py.errors import InputError
+from soup_msgs_py.warehouse.cell_world import World
 
 EACH_LONG = 5  # of so many plans, one has its boxes divided anew with all rounds, the others begin with its division
 SHARE = 20  # the others take this part of the rounds

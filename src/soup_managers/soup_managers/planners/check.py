@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from soup_msgs_py.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, World
+from soup_msgs_py.warehouse.cell_world import BOX, FLOOR, FULL, ROBOT, SHELF, World
 
 LOADED = "$"  # a robot that has a box, where a world is shown as text
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from soup_managers.planners.check import Picture, play
 from soup_managers.planners.plan import PICK_OR_DROP, WAIT
 from soup_managers.planners.spacetime import NOBODY, Calendar, letters_of, sides_of
-from soup_msgs_py.cell_world import World
+from soup_msgs_py.warehouse.cell_world import World
 
 LONGEST_WAY = 4  # home, times width and height of the world
 

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from soup_managers.planners.moves import Moves, State, Step
 from soup_managers.planners.plan import Answer, Task
 from soup_managers.planners.remaining import Remaining
-from soup_msgs_py.cell_world import World
+from soup_msgs_py.warehouse.cell_world import World
 
 MOST_NODES = 8_000_000  # some 4 GB
 _LOOK_EVERY = 256  # expansions between two looks at the clock

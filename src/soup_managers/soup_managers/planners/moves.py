@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from soup_managers.planners.plan import PICK_OR_DROP, WAIT, Rules
-from soup_msgs_py.cell_world import World
+from soup_msgs_py.warehouse.cell_world import World
 
 
 class State(NamedTuple):

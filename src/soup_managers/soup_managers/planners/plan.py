@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from soup_msgs_py.cell_world import World
+from soup_msgs_py.warehouse.cell_world import World
 
 PICK_OR_DROP, WAIT = "P", "W"
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from soup_managers.planners.plan import PICK_OR_DROP, WAIT
-from soup_msgs_py.cell_world import MOVES, World
+from soup_msgs_py.warehouse.cell_world import MOVES, World
 
 
 @dataclass

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from soup_managers.planners.divide import NEVER, from_cell, latest_of_all, latest_of_both, room, single_robot
 from soup_managers.planners.moves import State
 from soup_managers.planners.plan import Rules
-from soup_msgs_py.cell_world import World
+from soup_msgs_py.warehouse.cell_world import World
 
 MOST_DIVISIONS = 20_000  # ways to divide boxes and shelves that are looked at for one state
 MOST_OWNERS = 70_000  # ways to divide boxes alone; with more, boxes are looked at one by one

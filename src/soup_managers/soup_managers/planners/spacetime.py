@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from soup_managers.heap import drop_first, push
 from soup_managers.planners.plan import WAIT
-from soup_msgs_py.cell_world import MOVES, World
 from soup_msgs_py.kernel import kernel
+from soup_msgs_py.warehouse.cell_world import MOVES, World
 
 NOBODY = -1
 FOR_EVER = 1 << 30

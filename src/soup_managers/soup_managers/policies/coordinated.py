@@ -12,9 +12,9 @@ from soup_managers.decisions.onward import OnwardChoice
 from soup_managers.decisions.storage import StorageChoice
 from soup_managers.fleets.coordinated.situation import Horizons
 from soup_managers.policies.fleet import AnyFleet
-from soup_msgs_py.options import check_options
 from soup_msgs_py.policies import PolicyChoice, load_policy
-from soup_msgs_py.yaml_input import validate
+from soup_msgs_py.reading.options import check_options
+from soup_msgs_py.reading.yaml_input import validate
 
 Choice = str | dict[str, Any]
 

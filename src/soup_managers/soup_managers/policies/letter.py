@@ -11,9 +11,9 @@ from soup_managers.explain import Explain
 from soup_managers.policies import room
 from soup_managers.view import WarehouseView
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.layout import Floats
 from soup_msgs_py.messages import AssignBundle
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Floats
+from soup_msgs_py.warehouse.tiles import tile_name
 
 
 class LetterPolicy(ABC):

@@ -12,8 +12,8 @@ from soup_managers.planners.homing import go_home
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import FLEET, Task
 from soup_managers.policies.fleet import AnyFleet
-from soup_msgs_py.cell_world import World
 from soup_msgs_py.errors import InputError, RunError
+from soup_msgs_py.warehouse.cell_world import World
 
 MOST_ROBOTS, MOST_BOXES = 4, 8  # for which a shortest plan is looked for
 MOST_STATES = 200_000

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from soup_managers.view import WarehouseView
-from soup_msgs_py.layout import Ints
+from soup_msgs_py.warehouse.layout import Ints
 
 
 def kept(view: WarehouseView) -> int:

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from soup_managers.explain import Explain
 from soup_managers.policies import room
 from soup_managers.view import WarehouseView
-from soup_msgs_py.layout import Floats, Ints
 from soup_msgs_py.messages import AssignWord
+from soup_msgs_py.warehouse.layout import Floats, Ints
 
 
 class WordPolicy(ABC):

@@ -8,7 +8,7 @@ import numpy as np
 
 from soup_managers.traffic.holds import Indices
 from soup_managers.traffic.roads import Roads
-from soup_msgs_py.layout import Floats, Ints
+from soup_msgs_py.warehouse.layout import Floats, Ints
 
 LONGEST_RUN = 2048  # holds in one run
 

@@ -24,7 +24,7 @@ from scipy.spatial import KDTree
 from soup_managers.traffic.lines import Line
 from soup_managers.traffic.runs import place_at, run_time
 from soup_msgs_py.kernel import kernel
-from soup_msgs_py.layout import Floats, Ints, Layout
+from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 
 Indices = NDArray[np.int64]
 

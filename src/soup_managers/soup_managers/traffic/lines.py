@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from soup_msgs_py.layout import Layout
+from soup_msgs_py.warehouse.layout import Layout
 
 Line = tuple[int, ...]
 

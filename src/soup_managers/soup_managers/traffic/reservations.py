@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from soup_msgs_py.kernel import kernel
-from soup_msgs_py.layout import Floats, Ints
+from soup_msgs_py.warehouse.layout import Floats, Ints
 
 SAME_S = 1e-9  # moments that are closer are one: sums of times differ in their last digits
 

@@ -11,7 +11,7 @@ from soup_managers.traffic.holds import Edges, Hold, Motion, find_holds
 from soup_managers.traffic.lines import Line
 from soup_managers.traffic.runs import heading_of
 from soup_msgs_py.kernel import maker
-from soup_msgs_py.layout import Floats, Ints, Layout
+from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 
 Bytes = NDArray[np.uint8]
 Mask = NDArray[np.bool_]

@@ -10,7 +10,7 @@ from soup_managers.traffic.desk import Desk
 from soup_managers.traffic.roads import FORWARD, Mask, Roads
 from soup_managers.traffic.runs import turn_time
 from soup_managers.traffic.ways import Errand, find_way, follow, follow_back, tree_from, tree_to
-from soup_msgs_py.layout import Floats, Ints
+from soup_msgs_py.warehouse.layout import Floats, Ints
 
 KEPT_TREES = 64
 

@@ -21,7 +21,7 @@ from soup_managers.traffic.roads import AT_END_M, Roads
 from soup_managers.traffic.runs import run_time, turn_time
 from soup_managers.traffic.ways import Errand, stop_time, usable
 from soup_msgs_py.kernel import inlined, kernel, maker
-from soup_msgs_py.layout import Floats, Ints
+from soup_msgs_py.warehouse.layout import Floats, Ints
 
 
 class Query(NamedTuple):

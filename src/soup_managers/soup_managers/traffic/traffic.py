@@ -19,9 +19,9 @@ from soup_managers.traffic.roads import Mask, make_roads
 from soup_managers.traffic.routes import Routes
 from soup_managers.traffic.runs import heading_of, run_time, turn_time
 from soup_managers.traffic.search import Found, Query, find, rest_of_way
-from soup_msgs_py.layout import Floats, Layout
 from soup_msgs_py.messages import Point
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Floats, Layout
 
 PATIENCE_S = 3.0  # a bot that is later than this on its usual way looks for another one
 _CAPACITY = 16  # holds of one waypoint, to begin with

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import ValidationError
 from soup_msgs import msg
 
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario, scenario_from_json
+from soup_msgs_py.warehouse.layout import Layout
 from soup_msgs_py.wire.basics import MalformedMessage, header_at, pack, unpack
 from soup_msgs_py.wire.codec import Way, row
 

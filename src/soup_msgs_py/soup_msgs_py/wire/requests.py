@@ -10,7 +10,7 @@ from std_msgs.msg import Header
 
 from soup_msgs_py import topics
 from soup_msgs_py.messages import FollowPath, Grab, Release, SetVelocity, TileMove, Transfer
-from soup_msgs_py.tiles import parse_tile
+from soup_msgs_py.warehouse.tiles import parse_tile
 from soup_msgs_py.wire.basics import (
     MalformedMessage,
     check_frame,

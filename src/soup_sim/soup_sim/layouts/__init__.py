@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from soup_msgs_py.floor_plan import CellsLayout, DenseLayout, HexagonalLayout, MapLayout
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.floor_plan import CellsLayout, DenseLayout, HexagonalLayout, MapLayout
+from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.layouts.aisles import dense, hexagonal, rows
 from soup_sim.layouts.cells import cells
 from soup_sim.layouts.checks import check_counts, check_pitch, check_reachable, check_size

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import DenseLayout, HexagonalLayout, RowsLayout
-from soup_msgs_py.layout import Floats
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.floor_plan import DenseLayout, HexagonalLayout, RowsLayout
+from soup_msgs_py.warehouse.layout import Floats
 from soup_sim.layouts.draft import BOTH_WAYS, Draft, Indices, Mask
 from soup_sim.layouts.place_stations import place_stations
 

@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import CellsLayout
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.floor_plan import CellsLayout
 from soup_sim.layouts.checks import check_waypoints
 from soup_sim.layouts.draft import Draft, Indices, body_m
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import CellsLayout, MapLayout
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.floor_plan import CellsLayout, MapLayout
 from soup_sim.layouts.draft import Draft, body_m
 
 MOST_WAYPOINTS = 100_000  # the ways to every station are computed before a run begins: some seconds for 20,000

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from soup_msgs_py.layout import Floats, Layout
-from soup_msgs_py.parameters import Floor
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.parameters import Floor
+from soup_msgs_py.warehouse.layout import Floats, Layout
 
 Indices = NDArray[np.integer[Any]]
 Mask = NDArray[np.bool_]

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.files import read_text
-from soup_msgs_py.floor_plan import MapLayout
+from soup_msgs_py.reading.files import read_text
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.floor_plan import MapLayout
 from soup_sim.layouts.checks import check_waypoints
 from soup_sim.layouts.draft import Draft, Indices, body_m
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.floor_plan import Edge, Highway, Layout_
+from soup_msgs_py.scenario.floor_plan import Edge, Highway, Layout_
 from soup_sim.layouts.draft import Draft, distances_to_segments
 
 _TOLERANCE = 0.1  # how far from a waypoint a place in a scenario may be, in pitches

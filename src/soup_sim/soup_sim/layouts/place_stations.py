@@ -8,8 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.layout import Floats
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Floats
 from soup_sim.layouts.draft import Draft, Indices, body_m, distances_to_segments
 
 _SAME_PLACE_M = 1e-6

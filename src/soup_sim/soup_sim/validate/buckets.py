@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable
 
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Event, Snapshot
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 from soup_sim.validate.violations import EPSILON, Law, Record
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bundle, Event, Snapshot
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 from soup_sim.validate.violations import EPSILON, Law, Record
 
 

@@ -7,10 +7,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets, Event, Snapshot
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 from soup_sim.validate.bots import BotLedger
 from soup_sim.validate.buckets import BucketLedger
 from soup_sim.validate.bundles import BundleLedger

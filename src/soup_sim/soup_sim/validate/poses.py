@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Bots, Buckets
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.validate.buckets import BucketLedger
 from soup_sim.validate.violations import EPSILON, Law, Record
 

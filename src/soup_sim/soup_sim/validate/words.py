@@ -6,10 +6,10 @@ import math
 from collections import Counter
 from dataclasses import dataclass
 
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import Event, Snapshot, Word
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 from soup_sim.validate.violations import EPSILON, Law, Record
 
 

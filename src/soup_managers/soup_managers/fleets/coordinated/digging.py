@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from soup_managers.fleets.coordinated.places import Places
 from soup_msgs_py.kernel import maker
-from soup_msgs_py.layout import Ints, Layout
+from soup_msgs_py.warehouse.layout import Ints, Layout
 
 Mask = NDArray[np.bool_]
 Indices = NDArray[np.int64]

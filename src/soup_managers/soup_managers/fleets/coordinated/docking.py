@@ -10,7 +10,7 @@ from soup_managers.fleets.coordinated.places import Places
 from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
 from soup_managers.fleets.coordinated.situation import Situation
 from soup_managers.traffic import Traffic
-from soup_msgs_py.layout import Floats
+from soup_msgs_py.warehouse.layout import Floats
 
 TRIES = 8  # stations that are tried at once
 GIVE_UP_S = 20.0  # a bucket that could not get to its station for so long does something else

@@ -14,8 +14,8 @@ from soup_managers.fleets.coordinated.robots import Purpose, Robot
 from soup_managers.fleets.coordinated.scores import Scores
 from soup_managers.fleets.coordinated.situation import Fill, Situation, Want
 from soup_managers.policies.coordinated import Coordinated
-from soup_msgs_py.layout import Ints
 from soup_msgs_py.mistakes import Mistakes
+from soup_msgs_py.warehouse.layout import Ints
 
 TRIES = 8  # buckets that are looked at for a station
 UNREACHABLE_S = 5.0  # how long a bucket is left alone after no way led to it

@@ -35,7 +35,6 @@ from soup_managers.policies.coordinated import Coordinated
 from soup_managers.traffic import Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
     DELIVER,
     STORE,
@@ -49,7 +48,8 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 
 TICK_S = 1.0  # between two looks at all stations
 NEARLY_ALL = 0.9  # tasks: some words may only just have been opened

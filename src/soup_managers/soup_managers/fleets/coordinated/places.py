@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from soup_msgs_py.layout import Layout
+from soup_msgs_py.warehouse.layout import Layout
 
 
 class Places:

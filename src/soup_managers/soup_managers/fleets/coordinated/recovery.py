@@ -12,9 +12,9 @@ from soup_managers.fleets.coordinated.take_over import purpose_of
 from soup_managers.traffic import Leg, Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import BotStatus, Trip
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 
 RETRY_S = 0.5  # before a way that could not be planned is tried again
 ASK_S = 5.0  # between two questions to all lost bots that are silent

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from soup_msgs_py.layout import Floats
 from soup_msgs_py.mistakes import Mistakes
+from soup_msgs_py.warehouse.layout import Floats
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from soup_managers.fleets.coordinated.jobs import StationBook
 from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
 from soup_managers.fleets.coordinated.stock import Stock, tiles_of
 from soup_managers.view import WarehouseView
-from soup_msgs_py.layout import Floats, Ints, Layout
+from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 
 if TYPE_CHECKING:
     from soup_managers.traffic import Traffic

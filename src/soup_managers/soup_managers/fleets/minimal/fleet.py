@@ -15,7 +15,6 @@ from soup_managers.policies.fleet import FleetPolicy
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
     Bots,
     BotStatus,
@@ -26,6 +25,7 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.warehouse.layout import Layout
 
 REST_S = 1.0  # a bot whose trip failed is not asked again sooner
 GATHER_S = 1.0  # how long a new fleet manager waits for all bots to say which trips they are on

@@ -5,7 +5,7 @@ from __future__ import annotations
 from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.plans import Letter, Place, PlanError, TripPlan
 from soup_msgs_py.messages import DELIVER
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.tiles import tile_name
 
 
 def check_plan(plan: TripPlan, fleet: FleetState) -> None:

@@ -13,11 +13,11 @@ from soup_managers.fleets.minimal.letters import LetterBook
 from soup_managers.plans import Key, Letter, TripPlan
 from soup_managers.router import Router
 from soup_managers.view import WarehouseView
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import DELIVER, STORE, BotStatus, Event, Point, SetStorageSpot, TileMove, Trip, Visit
 from soup_msgs_py.mind import NEVER
 from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.tiles import tile_name
+from soup_msgs_py.warehouse.layout import Layout
+from soup_msgs_py.warehouse.tiles import tile_name
 
 LATE_S = 2.0  # how much later than the end of a trip its last events may come
 

@@ -12,8 +12,6 @@ from soup_managers.policies.planned import Planned
 from soup_managers.traffic.runs import run_time
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
-from soup_msgs_py.floor_plan import CellsLayout
-from soup_msgs_py.layout import Layout
 from soup_msgs_py.messages import (
     Bots,
     BotStatus,
@@ -27,6 +25,8 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.scenario import Scenario
+from soup_msgs_py.scenario.floor_plan import CellsLayout
+from soup_msgs_py.warehouse.layout import Layout
 
 RETRY_S = 1.0  # before a bot that could not do something is asked again
 RESULT_LATE_S = 2.0  # an idle bot has forgotten what it was asked for, if no result comes within that time

@@ -11,8 +11,8 @@ import sys
 from pathlib import Path
 from typing import Any, NoReturn
 
+from soup_msgs_py.command_line.output_files import LONGEST_NAME, why
 from soup_msgs_py.errors import InputError, printable
-from soup_msgs_py.output_files import LONGEST_NAME, why
 from soup_msgs_py.policies import NAMES
 
 MOST_BOTS = 100_000

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.files import read_text
-from soup_msgs_py.yaml_text import load_yaml
+from soup_msgs_py.reading.files import read_text
+from soup_msgs_py.reading.yaml_text import load_yaml
 
 Overrides = Iterable[str]
 Model = TypeVar("Model", bound=BaseModel)

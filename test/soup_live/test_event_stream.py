@@ -7,8 +7,8 @@ from unittest.mock import create_autospec
 from hypothesis import given
 from hypothesis import strategies as st
 
+from soup_live.event_stream import EventStream
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.event_stream import EventStream
 from soup_msgs_py.messages import Event, Snapshot
 
 

@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
 from typing_extensions import dataclass_transform
+
+Point = tuple[float, float]
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
 
 _Class = TypeVar("_Class", bound=type[Any])
 

@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, PydanticSchemaGenerationError, PydanticUserError, ValidationError
 from pydantic import create_model as pydantic_model
 
-from soup_msgs_py.yaml_input import first_problem
+from soup_msgs_py.reading.yaml_input import first_problem
 
 _BY_NAME = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
 

@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from soup_msgs_py.cell_world import World, parse_world
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.parameters import Cost, Count, Part, Place, Spacing
+from soup_msgs_py.scenario.parameters import Cost, Count, Part, Place, Spacing
+from soup_msgs_py.warehouse.cell_world import World, parse_world
 
 
 class Edge(Part):

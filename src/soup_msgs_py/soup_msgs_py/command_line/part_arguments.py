@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from soup_msgs_py import arguments as args
+from soup_msgs_py.command_line import arguments as args
 
 
 def parse_world(argv: Sequence[str] | None, scenario: Path | None = None) -> argparse.Namespace:

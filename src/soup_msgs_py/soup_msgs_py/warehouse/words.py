@@ -9,7 +9,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.files import DEVICE, ZERO_BYTE, read_bytes
+from soup_msgs_py.reading.files import DEVICE, ZERO_BYTE, read_bytes
 
 MAX_FILE_MB = 50
 

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
-from soup_msgs_py.parameters import Count, NotNegative, Part, Positive
+from soup_msgs_py.scenario.parameters import Count, NotNegative, Part, Positive
 
 MOST_PER_HOUR = 360_000.0  # arrivals, a hundred a second: more are never worked off
 

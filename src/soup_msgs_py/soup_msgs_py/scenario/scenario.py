@@ -11,12 +11,22 @@ from typing import Annotated
 
 from pydantic import Field, field_validator, model_validator
 
-from soup_msgs_py.cell_world import SUFFIX, world_scenario
-from soup_msgs_py.demand import Backlog, BundleFile, Bundles, ChosenBundles, Colours, ExplicitColours, OrderFile, Orders
 from soup_msgs_py.errors import InputError
-from soup_msgs_py.files import folder_of, whole_path
-from soup_msgs_py.floor_plan import Layout_, MapLayout, RowsLayout
-from soup_msgs_py.parameters import (
+from soup_msgs_py.policies import anchor
+from soup_msgs_py.reading.files import folder_of, whole_path
+from soup_msgs_py.reading.yaml_input import Overrides, apply_overrides, read_mapping, validate
+from soup_msgs_py.scenario.demand import (
+    Backlog,
+    BundleFile,
+    Bundles,
+    ChosenBundles,
+    Colours,
+    ExplicitColours,
+    OrderFile,
+    Orders,
+)
+from soup_msgs_py.scenario.floor_plan import Layout_, MapLayout, RowsLayout
+from soup_msgs_py.scenario.parameters import (
     BotParameters,
     BucketParameters,
     Count,
@@ -27,10 +37,9 @@ from soup_msgs_py.parameters import (
     Share,
     WordStationParameters,
 )
-from soup_msgs_py.policies import anchor
-from soup_msgs_py.tiles import LETTERS
-from soup_msgs_py.words import WordFileError, WordList, read_words
-from soup_msgs_py.yaml_input import Overrides, apply_overrides, read_mapping, validate
+from soup_msgs_py.warehouse.cell_world import SUFFIX, world_scenario
+from soup_msgs_py.warehouse.tiles import LETTERS
+from soup_msgs_py.warehouse.words import WordFileError, WordList, read_words
 
 Positions = Annotated[list[Position], Field(min_length=1, max_length=1_000)]
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from soup_msgs_py.errors import InputError, printable
-from soup_msgs_py.files import read_text
+from soup_msgs_py.reading.files import read_text
 
 ROBOT, BOX, SHELF, FULL, FLOOR = "@*|#_"
 ALLOWED = "@ robot, * box, | empty shelf, # full shelf or wall, _ floor"

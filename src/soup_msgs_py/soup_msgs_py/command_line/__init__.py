@@ -1,0 +1,1 @@
+"""Command lines, and what goes to the screen or into files."""

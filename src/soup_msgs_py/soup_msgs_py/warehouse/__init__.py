@@ -1,0 +1,1 @@
+"""What stands on the floor: layout, tiles, words, worlds of cells."""
