@@ -7,9 +7,9 @@ python3 scripts/run_headless.py --fleet-policy examples/nearest_trips.py:Nearest
 
 from __future__ import annotations
 
-from soup_managers.bitset import members
-from soup_managers.plans import PlannedVisit, TripPlan
-from soup_managers.policies.fleet import FleetPolicy
+from soup_managers.fleets.minimal.plans import PlannedVisit, TripPlan
+from soup_managers.fleets.minimal.policies import FleetPolicy
+from soup_managers.kernels.bitset import members
 from soup_msgs_py.messages import STORE
 
 

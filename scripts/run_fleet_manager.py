@@ -11,4 +11,4 @@ from _command_line import POLICIES, start
 from soup_msgs_py.command_line.part_arguments import parse_manager
 
 if __name__ == "__main__":
-    sys.exit(start("soup_managers.fleet_manager_node", partial(parse_manager, role="fleet"), policies=POLICIES))
+    sys.exit(start("soup_managers.nodes.fleet_manager_node", partial(parse_manager, role="fleet"), policies=POLICIES))

@@ -11,4 +11,4 @@ from _command_line import POLICIES, start
 from soup_msgs_py.command_line.part_arguments import parse_manager
 
 if __name__ == "__main__":
-    sys.exit(start("soup_managers.word_manager_node", partial(parse_manager, role="word"), policies=POLICIES))
+    sys.exit(start("soup_managers.nodes.word_manager_node", partial(parse_manager, role="word"), policies=POLICIES))

@@ -22,9 +22,9 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "word_manager = soup_managers.word_manager_node:main",
-            "letter_manager = soup_managers.letter_manager_node:main",
-            "fleet_manager = soup_managers.fleet_manager_node:main",
+            "word_manager = soup_managers.nodes.word_manager_node:main",
+            "letter_manager = soup_managers.nodes.letter_manager_node:main",
+            "fleet_manager = soup_managers.nodes.fleet_manager_node:main",
         ],
     },
 )

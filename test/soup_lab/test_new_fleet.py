@@ -13,9 +13,9 @@ import pytest
 
 import _environment
 from soup_lab.headless import Headless, make_minds
-from soup_managers.fleets.coordinated.robots import Activity
 from soup_managers.fleets.make import make_fleet
 from soup_managers.fleets.planned.fleet import PlannedFleet
+from soup_managers.state.robots import Activity
 from soup_managers.view import WarehouseView
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType, Phase

@@ -15,12 +15,12 @@ import _environment
 from soup_lab import headless_cli
 from soup_lab.headless import Headless
 from soup_managers.fleets.planned.fleet import PlannedFleet
+from soup_managers.fleets.planned.policies import Planned
 from soup_managers.planners.check import check_plan, play
 from soup_managers.planners.homing import go_home
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import FLEET, Task
 from soup_managers.planners.precedence import actions_of
-from soup_managers.policies.planned import Planned
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.policies import load_policies
 from soup_msgs_py.scenario.floor_plan import CellsLayout

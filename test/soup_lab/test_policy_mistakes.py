@@ -15,8 +15,8 @@ import numpy as np
 from soup_bots.steering.base import Steering
 from soup_managers.decisions import BotChoice, BucketChoice, NearestSpot, ServeOn
 from soup_managers.policies import LetterPolicy, WordPolicy
-from soup_managers.policies.fleet import FleetPolicy
-from soup_managers.plans import TripPlan
+from soup_managers.fleets.minimal.policies import FleetPolicy
+from soup_managers.fleets.minimal.plans import TripPlan
 from soup_msgs_py.messages import AssignBundle, AssignWord
 
 class NoSuchWord(WordPolicy):

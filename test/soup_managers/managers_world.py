@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from soup_managers.fleets.minimal.fleet import TripFleet
-from soup_managers.letter_manager import LetterManager
-from soup_managers.policies.fleet import Minimal as MinimalFleet
+from soup_managers.fleets.minimal.policies import Minimal as MinimalFleet
 from soup_managers.policies.letter import Minimal as MinimalLetter
 from soup_managers.policies.word import Minimal as MinimalWord
-from soup_managers.router import Router
+from soup_managers.stations.letter_manager import LetterManager
+from soup_managers.stations.word_manager import WordManager
+from soup_managers.traffic.router import Router
 from soup_managers.view import WarehouseView
-from soup_managers.word_manager import WordManager
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.messages import (
     DELIVER,

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from managers_world import TinyWorld, layout_of, scenario_of
 
-from soup_managers.bitset import first, members
 from soup_managers.fleets.minimal.fleet import GATHER_S, TripFleet
+from soup_managers.fleets.minimal.plans import PlanError, PlannedVisit, TripPlan
+from soup_managers.fleets.minimal.policies import FleetPolicy
+from soup_managers.fleets.minimal.policies import Minimal as MinimalFleet
 from soup_managers.fleets.minimal.state import FleetState
-from soup_managers.plans import PlanError, PlannedVisit, TripPlan
-from soup_managers.policies.fleet import FleetPolicy
-from soup_managers.policies.fleet import Minimal as MinimalFleet
+from soup_managers.kernels.bitset import first, members
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.messages import (

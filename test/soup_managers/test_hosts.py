@@ -6,7 +6,7 @@ from itertools import permutations
 
 import pytest
 
-from soup_managers.hosts import Hosts
+from soup_managers.nodes.hosts import Hosts
 from soup_msgs_py.messages import Charge
 
 

@@ -10,8 +10,8 @@ from managers_world import PITCH, layout_of
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from soup_managers.grid import PointGrid
-from soup_managers.router import STATION_DETOUR_M, Router
+from soup_managers.kernels.grid import PointGrid
+from soup_managers.traffic.router import STATION_DETOUR_M, Router
 from soup_msgs_py.warehouse.layout import Layout
 
 seeds = st.integers(0, 2**32 - 1)

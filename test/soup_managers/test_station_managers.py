@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from managers_world import TinyWorld, layout_of, scenario_of
 
-from soup_managers.letter_manager import LetterManager
 from soup_managers.policies.letter import Minimal as MinimalLetter
 from soup_managers.policies.word import Minimal as MinimalWord
+from soup_managers.stations.letter_manager import LetterManager
+from soup_managers.stations.word_manager import WordManager
 from soup_managers.view import WarehouseView
-from soup_managers.word_manager import WordManager
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.messages import (
     DELIVER,

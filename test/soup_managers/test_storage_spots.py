@@ -5,7 +5,7 @@ import pytest
 from managers_world import layout_of, scenario_of
 
 from soup_managers.fleets.minimal.state import FleetState
-from soup_managers.router import Router
+from soup_managers.traffic.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Event, SetStorageSpot

@@ -15,8 +15,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from soup_managers.traffic import Leg, Traffic
-from soup_managers.traffic.holds import Motion, left_after, swap_lag
-from soup_managers.traffic.lines import find_lines
+from soup_managers.traffic.footprint import Motion, left_after, swap_lag
+from soup_managers.traffic.queue_lanes import find_lines
 from soup_msgs_py.scenario import Scenario, load_scenario
 from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.contact import first_touch

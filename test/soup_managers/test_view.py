@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from managers_world import TinyWorld, layout_of, scenario_of
 
-from soup_managers.bitset import first, members
+from soup_managers.kernels.bitset import first, members
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Bundle, Event, Word

@@ -22,11 +22,11 @@ from hypothesis import strategies as st
 from world_hands import bucket_at_hand, clear, do, place
 
 from soup_lab.headless import Headless
-from soup_managers.bitset import first, members
+from soup_managers.fleets.make import FLEET
+from soup_managers.fleets.minimal.plans import Place, PlannedVisit, TripPlan
+from soup_managers.fleets.minimal.policies import FleetPolicy
 from soup_managers.fleets.minimal.state import FleetState
-from soup_managers.plans import Place, PlannedVisit, TripPlan
-from soup_managers.policies import FLEET
-from soup_managers.policies.fleet import FleetPolicy
+from soup_managers.kernels.bitset import first, members
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.policies import Policies, PolicyChoice

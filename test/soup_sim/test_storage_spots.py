@@ -9,8 +9,8 @@ import pytest
 from world_hands import bucket_at_hand, clear, do, place
 
 from soup_lab.headless import Headless
-from soup_managers.policies import FLEET
-from soup_managers.policies.fleet import Minimal
+from soup_managers.fleets.make import FLEET
+from soup_managers.fleets.minimal.policies import Minimal
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.policies import Policies, PolicyChoice

@@ -14,10 +14,11 @@ from soup_bots.steering import KNOWN as STEERING
 from soup_bots.steering.base import Steering
 from soup_managers.explain import Explain, Sink
 from soup_managers.fleets.make import check_fleet, load_fleet, make_fleet
-from soup_managers.letter_manager import LetterManager
-from soup_managers.policies import LETTER, WORD, AnyFleet, LetterPolicy, WordPolicy
+from soup_managers.fleets.minimal.policies import AnyFleet
+from soup_managers.policies import LETTER, WORD, LetterPolicy, WordPolicy
+from soup_managers.stations.letter_manager import LetterManager
+from soup_managers.stations.word_manager import WordManager
 from soup_managers.view import WarehouseView
-from soup_managers.word_manager import WordManager
 from soup_msgs_py import messages as m
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, load_policy

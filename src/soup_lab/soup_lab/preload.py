@@ -9,9 +9,9 @@ from __future__ import annotations
 import gc
 
 import soup_bots.bot_host
-import soup_managers.fleet_manager_node
-import soup_managers.letter_manager_node
-import soup_managers.word_manager_node
+import soup_managers.nodes.fleet_manager_node
+import soup_managers.nodes.letter_manager_node
+import soup_managers.nodes.word_manager_node
 import soup_sim.world_node
 
 __all__ = ["soup_bots", "soup_managers", "soup_sim"]

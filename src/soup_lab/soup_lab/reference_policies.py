@@ -13,8 +13,9 @@ from pydantic import TypeAdapter
 from soup_bots.steering import KNOWN as STEERING
 from soup_lab.reference_scenario import allowed_values
 from soup_managers.decisions import BOTS, BUCKETS, FILLS, ONWARD, STORAGE
-from soup_managers.fleets.coordinated.situation import Horizons
-from soup_managers.policies import FLEET, LETTER, WORD
+from soup_managers.fleets.make import FLEET
+from soup_managers.policies import LETTER, WORD
+from soup_managers.state.planning_state import Horizons
 from soup_sim.station_policies import LETTER_STATION, WORD_STATION
 
 # Title, what is decided, where a choice is made, and the table of names.

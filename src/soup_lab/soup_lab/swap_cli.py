@@ -8,7 +8,7 @@ from pathlib import Path
 
 from soup_bots import bot_node
 from soup_lab.lab_arguments import parse_swap
-from soup_managers import fleet_manager_node, letter_manager_node, word_manager_node
+from soup_managers.nodes import fleet_manager_node, letter_manager_node, word_manager_node
 
 MAINS = {
     "word": word_manager_node.main,

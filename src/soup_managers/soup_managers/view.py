@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from soup_managers.grid import PointGrid
+from soup_managers.kernels.grid import PointGrid
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Bots, Bundle, Event, Snapshot, Word
 from soup_msgs_py.scenario import Scenario

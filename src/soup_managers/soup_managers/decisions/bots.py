@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from soup_managers.fleets.coordinated.situation import Situation
+from soup_managers.state.planning_state import Situation
 from soup_msgs_py.warehouse.layout import Floats, Ints
 
 

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from soup_managers.fleets.coordinated.situation import Fill, Situation
+from soup_managers.state.planning_state import Fill, Situation
 from soup_msgs_py.warehouse.layout import Floats
 
 

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from soup_managers.fleets.coordinated.robots import Robot
-from soup_managers.fleets.coordinated.situation import Situation
+from soup_managers.state.planning_state import Situation
+from soup_managers.state.robots import Robot
 from soup_msgs_py.warehouse.layout import Floats
 
 

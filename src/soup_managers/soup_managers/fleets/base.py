@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Generic
 
-from soup_managers.fleets.tasks import AnyTask, TaskBook, common_tiles, goal_key, goal_tiles
 from soup_managers.manager import Manager
+from soup_managers.state.tasks import AnyTask, TaskBook, common_tiles, goal_key, goal_tiles
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.messages import (

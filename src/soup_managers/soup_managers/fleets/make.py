@@ -1,4 +1,4 @@
-"""The fleet manager that a fleet policy needs."""
+"""The fleet policies that come with the warehouse, by the names in a policies file, and the fleet that each needs."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ import numpy as np
 
 from soup_managers.explain import Explain
 from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
+from soup_managers.fleets.coordinated.policies import Coordinated
 from soup_managers.fleets.minimal.fleet import TripFleet
+from soup_managers.fleets.minimal.policies import AnyFleet, FleetPolicy, Minimal
 from soup_managers.fleets.planned.fleet import PlannedFleet
-from soup_managers.policies import FLEET
-from soup_managers.policies.coordinated import Coordinated
-from soup_managers.policies.fleet import AnyFleet, FleetPolicy
-from soup_managers.policies.planned import Planned
-from soup_managers.router import Router
+from soup_managers.fleets.planned.policies import Planned
+from soup_managers.traffic.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.policies import PolicyChoice, load_policy
@@ -20,6 +19,7 @@ from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.scenario.floor_plan import CellsLayout
 from soup_msgs_py.warehouse.layout import Layout
 
+FLEET: dict[str, type[AnyFleet]] = {"minimal": Minimal, "coordinated": Coordinated, "planned": Planned}
 Fleet = TripFleet | CoordinatedFleet | PlannedFleet
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.heap import drop_first, push
+from soup_managers.kernels.heap import drop_first, push
 from soup_managers.planners.plan import WAIT
 from soup_msgs_py.kernel import kernel
 from soup_msgs_py.warehouse.cell_world import MOVES, World

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from soup_managers.traffic.holds import gaps_between
-from soup_managers.traffic.roads import AT_END_M, Mask, Roads
+from soup_managers.traffic.footprint import gaps_between
+from soup_managers.traffic.nav_graph import AT_END_M, Mask, Roads
 from soup_msgs_py.messages import Floats, Point
 
 _ON_EDGE_M = 1e-3

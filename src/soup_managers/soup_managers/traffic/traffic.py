@@ -9,16 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from soup_managers.traffic.booking import book, wait_early
-from soup_managers.traffic.desk import make_desk
-from soup_managers.traffic.holds import Motion
+from soup_managers.traffic.footprint import Motion
 from soup_managers.traffic.legs import NOWHERE, Leg, braking_places, heading_after, pieces_of
-from soup_managers.traffic.lines import Line, find_lines
+from soup_managers.traffic.nav_graph import Mask, make_roads
 from soup_managers.traffic.nearby import Nearby
+from soup_managers.traffic.queue_lanes import Line, find_lines
 from soup_managers.traffic.reservations import add, conflicts, forget, forget_bot, free_from, larger, no_reservations
-from soup_managers.traffic.roads import Mask, make_roads
 from soup_managers.traffic.routes import Routes
-from soup_managers.traffic.runs import heading_of, run_time, turn_time
-from soup_managers.traffic.search import Found, Query, find, rest_of_way
+from soup_managers.traffic.search_buffers import make_desk
+from soup_managers.traffic.sipp import Found, Query, find, rest_of_way
+from soup_managers.traffic.speed_profile import heading_of, run_time, turn_time
 from soup_msgs_py.messages import Point
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.warehouse.layout import Floats, Layout

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from soup_managers.heap import drop_first, push
-from soup_managers.traffic.roads import ENTRY, FORWARD, LANE, SPOT, Mask
-from soup_managers.traffic.runs import turn_time
+from soup_managers.kernels.heap import drop_first, push
+from soup_managers.traffic.nav_graph import ENTRY, FORWARD, LANE, SPOT, Mask
+from soup_managers.traffic.speed_profile import turn_time
 from soup_msgs_py.kernel import kernel, maker
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.fleets.coordinated.places import Places
+from soup_managers.state.places import Places
 from soup_msgs_py.kernel import maker
 from soup_msgs_py.warehouse.layout import Ints, Layout
 

@@ -11,12 +11,12 @@ from soup_managers.fleets.coordinated.docking import Docking
 from soup_managers.fleets.coordinated.fetching import Fetch, Fetching
 from soup_managers.fleets.coordinated.lowest import lowest
 from soup_managers.fleets.coordinated.moves import Moves
-from soup_managers.fleets.coordinated.places import Places
-from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
+from soup_managers.fleets.coordinated.policies import Coordinated
 from soup_managers.fleets.coordinated.scores import Scores
-from soup_managers.fleets.coordinated.situation import Situation
 from soup_managers.fleets.coordinated.startup_barrier import StartupBarrier
-from soup_managers.policies.coordinated import Coordinated
+from soup_managers.state.places import Places
+from soup_managers.state.planning_state import Situation
+from soup_managers.state.robots import Activity, Purpose, Robot
 from soup_managers.traffic import Traffic
 from soup_msgs_py.messages import TileMove
 from soup_msgs_py.mistakes import Mistakes

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
-from soup_managers.fleets.coordinated.situation import Situation
+from soup_managers.state.planning_state import Situation
+from soup_managers.state.robots import Activity, Purpose, Robot
 from soup_managers.traffic import Traffic
 
 FAR_S = 15.0  # a bot that comes from farther takes the hindmost place in a line

@@ -6,9 +6,9 @@ from soup_managers.fleets.coordinated.digging import Digging
 from soup_managers.fleets.coordinated.dock_queues import FAR_S, DockQueues, spots_near
 from soup_managers.fleets.coordinated.lowest import lowest
 from soup_managers.fleets.coordinated.moves import Moves
-from soup_managers.fleets.coordinated.places import Places
-from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
-from soup_managers.fleets.coordinated.situation import Situation
+from soup_managers.state.places import Places
+from soup_managers.state.planning_state import Situation
+from soup_managers.state.robots import Activity, Purpose, Robot
 from soup_managers.traffic import Traffic
 from soup_msgs_py.warehouse.layout import Floats
 

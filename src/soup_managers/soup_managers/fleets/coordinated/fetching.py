@@ -9,11 +9,11 @@ import numpy as np
 from soup_managers.explain import Explain
 from soup_managers.fleets.coordinated.digging import Digging, Mask
 from soup_managers.fleets.coordinated.lowest import lowest
-from soup_managers.fleets.coordinated.places import Places
-from soup_managers.fleets.coordinated.robots import Purpose, Robot
+from soup_managers.fleets.coordinated.policies import Coordinated
 from soup_managers.fleets.coordinated.scores import Scores
-from soup_managers.fleets.coordinated.situation import Fill, Situation, Want
-from soup_managers.policies.coordinated import Coordinated
+from soup_managers.state.places import Places
+from soup_managers.state.planning_state import Fill, Situation, Want
+from soup_managers.state.robots import Purpose, Robot
 from soup_msgs_py.mistakes import Mistakes
 from soup_msgs_py.warehouse.layout import Ints
 

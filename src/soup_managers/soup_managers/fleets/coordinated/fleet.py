@@ -24,14 +24,14 @@ from soup_managers.fleets.coordinated.docking import Docking
 from soup_managers.fleets.coordinated.liveness import Liveness
 from soup_managers.fleets.coordinated.moves import Moves
 from soup_managers.fleets.coordinated.orders import Orders
-from soup_managers.fleets.coordinated.places import Places
+from soup_managers.fleets.coordinated.policies import Coordinated
 from soup_managers.fleets.coordinated.recovery import Recovery
-from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
-from soup_managers.fleets.coordinated.situation import Situation
 from soup_managers.fleets.coordinated.startup_barrier import StartupBarrier
 from soup_managers.fleets.coordinated.take_over import drives_on, stays
-from soup_managers.fleets.tasks import Key, Task
-from soup_managers.policies.coordinated import Coordinated
+from soup_managers.state.places import Places
+from soup_managers.state.planning_state import Situation
+from soup_managers.state.robots import Activity, Purpose, Robot
+from soup_managers.state.tasks import Key, Task
 from soup_managers.traffic import Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from soup_managers.fleets.coordinated.robots import Activity, Robot
+from soup_managers.state.robots import Activity, Robot
 from soup_msgs_py.codes import Phase
 from soup_msgs_py.messages import BotStatus
 from soup_msgs_py.mind import NEVER

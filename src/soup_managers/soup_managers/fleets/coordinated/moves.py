@@ -5,11 +5,11 @@ from __future__ import annotations
 from soup_managers.fleets.coordinated.dock_queues import DockQueues
 from soup_managers.fleets.coordinated.liveness import Liveness
 from soup_managers.fleets.coordinated.orders import Orders
-from soup_managers.fleets.coordinated.places import Places
 from soup_managers.fleets.coordinated.recovery import RETRY_S, Recovery
-from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
-from soup_managers.fleets.coordinated.situation import Situation
 from soup_managers.fleets.coordinated.startup_barrier import StartupBarrier
+from soup_managers.state.places import Places
+from soup_managers.state.planning_state import Situation
+from soup_managers.state.robots import Activity, Purpose, Robot
 from soup_managers.traffic import Traffic
 from soup_msgs_py.messages import TileMove, Visit
 

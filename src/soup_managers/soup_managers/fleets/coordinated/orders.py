@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from soup_managers.fleets.coordinated.robots import Robot
+from soup_managers.state.robots import Robot
 from soup_managers.traffic import Leg
 from soup_msgs_py.messages import CancelDrive, DriveGoal, Point, Trip, TripGoal, Visit
 from soup_msgs_py.mind import Message

@@ -5,10 +5,10 @@ from __future__ import annotations
 from soup_managers.fleets.coordinated.dock_queues import DockQueues
 from soup_managers.fleets.coordinated.liveness import Liveness
 from soup_managers.fleets.coordinated.orders import Orders
-from soup_managers.fleets.coordinated.places import Places
-from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
-from soup_managers.fleets.coordinated.situation import Situation
 from soup_managers.fleets.coordinated.take_over import purpose_of
+from soup_managers.state.places import Places
+from soup_managers.state.planning_state import Situation
+from soup_managers.state.robots import Activity, Purpose, Robot
 from soup_managers.traffic import Leg, Traffic
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code

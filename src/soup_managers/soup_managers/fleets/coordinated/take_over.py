@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from soup_managers.fleets.coordinated.robots import Purpose
+from soup_managers.state.robots import Purpose
 from soup_msgs_py.codes import Phase
 from soup_msgs_py.messages import BotStatus, Trip
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.bitset import members
 from soup_managers.explain import Explain
 from soup_managers.fleets.base import Fleet
 from soup_managers.fleets.minimal.letters import LetterTask
 from soup_managers.fleets.minimal.plan_check import check_plan
+from soup_managers.fleets.minimal.plans import Key, PlanError, TripPlan
+from soup_managers.fleets.minimal.policies import FleetPolicy
 from soup_managers.fleets.minimal.state import FleetState
-from soup_managers.plans import Key, PlanError, TripPlan
-from soup_managers.policies.fleet import FleetPolicy
-from soup_managers.router import Router
+from soup_managers.kernels.bitset import members
+from soup_managers.traffic.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.messages import (

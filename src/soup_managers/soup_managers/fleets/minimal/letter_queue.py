@@ -5,7 +5,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterator, KeysView
 
-from soup_managers.plans import Key, Letter, Place
+from soup_managers.fleets.minimal.plans import Key, Letter, Place
 
 _Entry = tuple[tuple[int, int], int, Letter]
 Awaited = int | Key  # a tile kind, `LetterQueue.ROOM`, or a task

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from soup_managers.fleets.minimal.letter_queue import LetterQueue
-from soup_managers.fleets.tasks import Key, Task, TaskBook
-from soup_managers.plans import Letter, Place
+from soup_managers.fleets.minimal.plans import Letter, Place
+from soup_managers.state.tasks import Key, Task, TaskBook
 from soup_msgs_py.messages import DELIVER
 
 

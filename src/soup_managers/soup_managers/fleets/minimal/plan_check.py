@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from soup_managers.fleets.minimal.plans import Letter, Place, PlanError, TripPlan
 from soup_managers.fleets.minimal.state import FleetState
-from soup_managers.plans import Letter, Place, PlanError, TripPlan
 from soup_msgs_py.messages import DELIVER
 from soup_msgs_py.warehouse.tiles import tile_name
 

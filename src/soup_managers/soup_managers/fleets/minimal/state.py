@@ -10,8 +10,8 @@ import numpy as np
 
 from soup_managers.fleets.minimal.letter_queue import Awaited, LetterQueue
 from soup_managers.fleets.minimal.letters import LetterBook
-from soup_managers.plans import Key, Letter, TripPlan
-from soup_managers.router import Router
+from soup_managers.fleets.minimal.plans import Key, Letter, TripPlan
+from soup_managers.traffic.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.messages import DELIVER, STORE, BotStatus, Event, Point, SetStorageSpot, TileMove, Trip, Visit
 from soup_msgs_py.mind import NEVER

@@ -9,7 +9,7 @@ from collections.abc import Set
 import numpy as np
 from scipy.spatial import KDTree
 
-from soup_managers.trees import count_turns, descend, grow
+from soup_managers.kernels.trees import count_turns, descend, grow
 from soup_msgs_py.messages import Point
 from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from soup_managers.heap import drop_first, push
+from soup_managers.kernels.heap import drop_first, push
 from soup_msgs_py.kernel import kernel
 
 _TIE_M = 1e-6  # ways that differ by less are equally long: sums of edges differ in their last digits

@@ -19,9 +19,9 @@ from soup_live.qos import CHARGES, DISPLAY, LATCHED
 from soup_live.world_client import WorldClient
 from soup_managers.explain import Explain
 from soup_managers.fleets.make import Fleet, load_fleet, make_fleet
-from soup_managers.hosts import Hosts
-from soup_managers.orders_node import Orders
-from soup_managers.station_manager_node import role_rng, run_manager
+from soup_managers.nodes.hosts import Hosts
+from soup_managers.nodes.orders_node import Orders
+from soup_managers.nodes.station_manager_node import role_rng, run_manager
 from soup_managers.view import WarehouseView
 from soup_msgs_py import mail, topics
 from soup_msgs_py.codes import Code

@@ -7,7 +7,7 @@ from typing import Any
 
 from soup_managers.explain import Explain
 from soup_managers.manager import Manager
-from soup_managers.request import ASK_AGAIN_S, Request
+from soup_managers.stations.request import ASK_AGAIN_S, Request
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code
 from soup_msgs_py.messages import AssignBundle, AssignWord, DeliverGoal, Reply, StoreGoal, TaskResult

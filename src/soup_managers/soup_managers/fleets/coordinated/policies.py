@@ -10,8 +10,8 @@ from soup_managers.decisions.buckets import BucketChoice
 from soup_managers.decisions.fills import FillChoice
 from soup_managers.decisions.onward import OnwardChoice
 from soup_managers.decisions.storage import StorageChoice
-from soup_managers.fleets.coordinated.situation import Horizons
-from soup_managers.policies.fleet import AnyFleet
+from soup_managers.fleets.minimal.policies import AnyFleet
+from soup_managers.state.planning_state import Horizons
 from soup_msgs_py.policies import PolicyChoice, load_policy
 from soup_msgs_py.reading.options import check_options
 from soup_msgs_py.reading.yaml_input import validate

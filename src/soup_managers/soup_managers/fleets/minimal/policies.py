@@ -5,9 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 
-from soup_managers.bitset import first, members
+from soup_managers.fleets.minimal.plans import Letter, PlannedVisit, TripPlan
 from soup_managers.fleets.minimal.state import FleetState
-from soup_managers.plans import Letter, PlannedVisit, TripPlan
+from soup_managers.kernels.bitset import first, members
 from soup_msgs_py.messages import STORE
 
 

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.traffic.holds import Edges, Hold, Motion, find_holds
-from soup_managers.traffic.lines import Line
-from soup_managers.traffic.runs import heading_of
+from soup_managers.traffic.footprint import Edges, Hold, Motion, find_holds
+from soup_managers.traffic.queue_lanes import Line
+from soup_managers.traffic.speed_profile import heading_of
 from soup_msgs_py.kernel import maker
 from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 

@@ -10,10 +10,10 @@ from soup_msgs import action, srv
 
 from soup_live.process import Live
 from soup_managers.explain import Explain
+from soup_managers.nodes.station_manager_node import StationManagerNode, role_rng, run_manager
 from soup_managers.policies import WORD, WordPolicy
-from soup_managers.station_manager_node import StationManagerNode, role_rng, run_manager
+from soup_managers.stations.word_manager import WordManager
 from soup_managers.view import WarehouseView
-from soup_managers.word_manager import WordManager
 from soup_msgs_py import topics
 from soup_msgs_py.messages import DELIVER
 from soup_msgs_py.policies import PolicyChoice, load_policy

@@ -18,7 +18,7 @@ from soup_live.process import Live, exit_status
 from soup_live.qos import EVERY_ONE, LATCHED
 from soup_live.world_client import WorldClient
 from soup_managers.explain import Explain, write_lines
-from soup_managers.station_manager import StationManager
+from soup_managers.stations.station_manager import StationManager
 from soup_msgs_py import mail, topics
 from soup_msgs_py.codes import Code
 from soup_msgs_py.command_line.output_files import SharedFile

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from soup_managers.traffic.holds import Indices
-from soup_managers.traffic.roads import Roads
+from soup_managers.traffic.footprint import Indices
+from soup_managers.traffic.nav_graph import Roads
 from soup_msgs_py.warehouse.layout import Floats, Ints
 
 LONGEST_RUN = 2048  # holds in one run

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.fleets.coordinated.jobs import StationBook
-from soup_managers.fleets.coordinated.robots import Activity, Purpose, Robot
-from soup_managers.fleets.coordinated.stock import Stock, tiles_of
+from soup_managers.state.jobs import StationBook
+from soup_managers.state.robots import Activity, Purpose, Robot
+from soup_managers.state.stock import Stock, tiles_of
 from soup_managers.view import WarehouseView
 from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 

@@ -11,9 +11,9 @@ from soup_msgs import action, srv
 
 from soup_live.process import Live
 from soup_managers.explain import Explain
-from soup_managers.letter_manager import LetterManager
+from soup_managers.nodes.station_manager_node import StationManagerNode, role_rng, run_manager
 from soup_managers.policies import LETTER, LetterPolicy
-from soup_managers.station_manager_node import StationManagerNode, role_rng, run_manager
+from soup_managers.stations.letter_manager import LetterManager
 from soup_managers.view import WarehouseView
 from soup_msgs_py import topics
 from soup_msgs_py.messages import STORE

@@ -6,12 +6,12 @@ from typing import Annotated
 
 from pydantic import Field
 
+from soup_managers.fleets.minimal.policies import AnyFleet
 from soup_managers.planners.anytime import anytime
 from soup_managers.planners.check import check_plan
 from soup_managers.planners.homing import go_home
 from soup_managers.planners.known import PLANNERS
 from soup_managers.planners.plan import FLEET, Task
-from soup_managers.policies.fleet import AnyFleet
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.warehouse.cell_world import World
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from soup_managers.explain import Explain
 from soup_managers.policies.letter import LetterPolicy
-from soup_managers.station_manager import StationManager
+from soup_managers.stations.station_manager import StationManager
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import STORE, AssignBundle, AssignWord, Event, StoreGoal

@@ -1,0 +1,1 @@
+"""Compiled and small data structures that know no warehouse."""

@@ -1,0 +1,1 @@
+"""The managers as ROS nodes: shells that carry messages."""

@@ -1,0 +1,1 @@
+"""What a fleet knows: bots, jobs, stock, places, tasks. Each fact has one owner."""

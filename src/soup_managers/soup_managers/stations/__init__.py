@@ -1,0 +1,1 @@
+"""The word and the letter manager: stations to fill, jobs to have done."""
