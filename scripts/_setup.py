@@ -105,7 +105,7 @@ class Setup:
     def compile_kernels(self) -> None:
         """Compile the numba kernels, so that the first warehouse does not stand still while they are."""
         self.line.show("Compiling kernels (about a minute)")
-        program = "import sys; from soup_lab.headless_cli import main; sys.exit(main(['--duration', '60']))"
+        program = "import sys; from soup_lab.headless.program import main; sys.exit(main(['--duration', '60']))"
         self.command([str(env.PYTHON), "-c", program], lambda _: None)
         folder = env.kernels_folder()
         folder.mkdir(parents=True, exist_ok=True)

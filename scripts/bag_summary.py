@@ -7,7 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import start
-from soup_lab.bag_arguments import parse_summary
+from soup_lab.bags.arguments import parse_summary
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.bag_summary_cli", parse_summary))
+    sys.exit(start("soup_lab.bags.summary_program", parse_summary))

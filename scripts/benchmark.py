@@ -10,4 +10,4 @@ from _command_line import start
 from soup_lab.lab_arguments import parse_benchmark
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.benchmark_cli", parse_benchmark))
+    sys.exit(start("soup_lab.benchmarks.program", parse_benchmark))

@@ -11,4 +11,4 @@ from _command_line import start
 from soup_lab.lab_arguments import parse_chaos
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.chaos_node", parse_chaos, scripts=Path(__file__).resolve().parent))
+    sys.exit(start("soup_lab.launch.chaos_node", parse_chaos, scripts=Path(__file__).resolve().parent))

@@ -10,4 +10,4 @@ from _command_line import start
 from soup_lab.lab_arguments import parse_compare
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.compare_cli", parse_compare))
+    sys.exit(start("soup_lab.experiments.program", parse_compare))

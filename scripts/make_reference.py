@@ -10,4 +10,4 @@ from _command_line import start
 from soup_lab.lab_arguments import parse_reference
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.reference_cli", parse_reference, folder=_environment.ROOT / "docs" / "reference"))
+    sys.exit(start("soup_lab.reference.program", parse_reference, folder=_environment.ROOT / "docs" / "reference"))

@@ -10,4 +10,4 @@ from _command_line import start
 from soup_lab.lab_arguments import parse_plan
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.plan_cli", parse_plan))
+    sys.exit(start("soup_lab.planning.program", parse_plan))

@@ -7,7 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import start
-from soup_lab.bag_arguments import parse_record
+from soup_lab.bags.arguments import parse_record
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.bag_record_node", parse_record))
+    sys.exit(start("soup_lab.bags.record_node", parse_record))

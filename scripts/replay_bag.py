@@ -7,7 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import start
-from soup_lab.bag_arguments import parse_replay
+from soup_lab.bags.arguments import parse_replay
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.bag_replay_node", parse_replay))
+    sys.exit(start("soup_lab.bags.replay_node", parse_replay))

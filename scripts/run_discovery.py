@@ -9,4 +9,4 @@ import sys
 from _command_line import start
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.discovery_cli"))
+    sys.exit(start("soup_lab.launch.discovery_program"))

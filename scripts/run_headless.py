@@ -7,7 +7,7 @@ _environment.enter()
 import sys
 
 from _command_line import start
-from soup_lab.headless_arguments import parse
+from soup_lab.headless.arguments import parse
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.headless_cli", parse))
+    sys.exit(start("soup_lab.headless.program", parse))

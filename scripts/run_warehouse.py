@@ -8,16 +8,16 @@ import sys
 from typing import Any
 
 from _command_line import POLICIES, SCENARIO, start
-from soup_lab.warehouse_arguments import parse
+from soup_lab.launch.warehouse_arguments import parse
 
 
 def prepare(argv: None, **usual: Any) -> None:
     """Read the command line, then let the parts load what they need while this process loads its own."""
     parse(argv, **usual)
-    from soup_lab.processes import load_ahead
+    from soup_lab.launch.processes import load_ahead
 
     load_ahead()
 
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.warehouse_node", prepare, scenario=SCENARIO, policies=POLICIES))
+    sys.exit(start("soup_lab.launch.warehouse_node", prepare, scenario=SCENARIO, policies=POLICIES))

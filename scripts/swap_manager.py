@@ -10,4 +10,4 @@ from _command_line import POLICIES, start
 from soup_lab.lab_arguments import parse_swap
 
 if __name__ == "__main__":
-    sys.exit(start("soup_lab.swap_cli", parse_swap, policies=POLICIES))
+    sys.exit(start("soup_lab.launch.swap_program", parse_swap, policies=POLICIES))

@@ -22,7 +22,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "headless = soup_lab.headless_cli:main",
+            "headless = soup_lab.headless.program:main",
         ],
     },
 )

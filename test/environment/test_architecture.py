@@ -29,7 +29,7 @@ ROS_MODULES = (
     "soup_msgs_py/wire/*.py",
     "soup_live/*.py",
     "soup_bots/bot_host.py",
-    "soup_lab/bag_*.py",
+    "soup_lab/bags/*.py",
 )
 ROS_PREFIXES = ("rcl", "rosidl", "rmw", "ament", "rosbag2", "tf2")
 ROS_SUFFIXES = ("_msgs", "_srvs", "_interfaces")

@@ -18,7 +18,7 @@ from pathlib import Path
 import pytest
 
 import _environment
-from soup_lab.bound_program import bound
+from soup_lab.launch.bound_program import bound
 
 SCRIPTS = _environment.ROOT / "scripts"
 MARK = "SOUP_TEST"  # environment variable by which a test knows its processes, grandchildren included

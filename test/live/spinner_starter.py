@@ -7,7 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from soup_lab.processes import Part, Processes
+from soup_lab.launch.processes import Part, Processes
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:

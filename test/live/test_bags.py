@@ -17,11 +17,11 @@ from soup_msgs import msg, srv
 from std_msgs.msg import Int64
 from std_srvs.srv import SetBool
 
-from soup_lab import headless_cli
-from soup_lab.bag_course import read_course
-from soup_lab.bag_reader import Bag, open_bag
-from soup_lab.bag_record_node import NODE, OF_ALL
-from soup_lab.bag_summary import differences, summarize
+from soup_lab.bags.course import read_course
+from soup_lab.bags.reader import Bag, open_bag
+from soup_lab.bags.record_node import NODE, OF_ALL
+from soup_lab.bags.summary import differences, summarize
+from soup_lab.headless import program as headless_cli
 from soup_msgs_py import topics
 
 from .conftest import Parts

@@ -12,7 +12,7 @@ import pytest
 
 from soup_bots.senses import NOWHERE
 from soup_bots.steering import KNOWN, Evade, Me, Neighbour, Steer, Steering, SteerView
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_msgs_py.policies import Policies, PolicyChoice
 from soup_sim.setup import load_warehouse
 from soup_sim.world import World

@@ -9,10 +9,10 @@ from pathlib import Path
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 
-from soup_lab.bag_record_node import offered
-from soup_lab.bag_types import Definitions
-from soup_lab.bag_writer import BagWriter, Topic
-from soup_lab.headless import Headless
+from soup_lab.bags.interfaces import Definitions
+from soup_lab.bags.record_node import offered
+from soup_lab.bags.writer import BagWriter, Topic
+from soup_lab.headless.simulation import Headless
 from soup_live.qos import LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.messages import Event, WorldState

@@ -22,10 +22,12 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 from recorded_run import BEGIN, DEFINITIONS, QOS, Said, recorded, write_bag
 
-from soup_lab import bag_replay_node, bag_summary_cli, headless_cli
-from soup_lab.bag_mcap import MAGIC, MOST_CHUNK, McapFile
-from soup_lab.bag_reader import Bag, open_bag
-from soup_lab.bag_writer import METADATA, BagWriter, Topic
+from soup_lab.bags import replay_node as bag_replay_node
+from soup_lab.bags import summary_program as bag_summary_cli
+from soup_lab.bags.mcap import MAGIC, MOST_CHUNK, McapFile
+from soup_lab.bags.reader import Bag, open_bag
+from soup_lab.bags.writer import METADATA, BagWriter, Topic
+from soup_lab.headless import program as headless_cli
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError
 

@@ -19,12 +19,15 @@ from rosbags.highlevel import AnyReader
 from rosgraph_msgs.msg import Clock
 from soup_msgs import msg
 
-from soup_lab import bag_record_node, bag_replay_node, bag_summary_cli, headless_cli
-from soup_lab.bag_gaps import Gaps
-from soup_lab.bag_reader import open_bag
-from soup_lab.bag_repair import is_cut_off
-from soup_lab.bag_types import Definitions, UnknownType
-from soup_lab.bag_writer import METADATA, BagWriter, Topic
+from soup_lab.bags import record_node as bag_record_node
+from soup_lab.bags import replay_node as bag_replay_node
+from soup_lab.bags import summary_program as bag_summary_cli
+from soup_lab.bags.gaps import Gaps
+from soup_lab.bags.interfaces import Definitions, UnknownType
+from soup_lab.bags.reader import open_bag
+from soup_lab.bags.repair import is_cut_off
+from soup_lab.bags.writer import METADATA, BagWriter, Topic
+from soup_lab.headless import program as headless_cli
 from soup_live.qos import LATCHED
 from soup_msgs_py import topics
 from soup_msgs_py.errors import InputError

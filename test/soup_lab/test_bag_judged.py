@@ -11,11 +11,12 @@ import pytest
 from rclpy.serialization import serialize_message
 from recorded_run import BEGIN, SPEED, Said, recorded, write_bag
 
-from soup_lab import bag_summary, bag_summary_cli
-from soup_lab.bag_course import Course, Sight, read_course
-from soup_lab.bag_judge import Verdict, judge_course
-from soup_lab.bag_reader import Bag, open_bag
-from soup_lab.bag_what_if import beside, take_moment
+from soup_lab.bags import summary as bag_summary
+from soup_lab.bags import summary_program as bag_summary_cli
+from soup_lab.bags.course import Course, Sight, read_course
+from soup_lab.bags.judge import Verdict, judge_course
+from soup_lab.bags.reader import Bag, open_bag
+from soup_lab.bags.what_if import beside, take_moment
 from soup_msgs_py import topics
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Event

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from soup_lab.bag_pace import SLIP_S, ReplayPace
+from soup_lab.bags.pace import SLIP_S, ReplayPace
 
 SECOND = 1_000_000_000
 BEGIN = 1_790_000_000 * SECOND

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from soup_lab.bag_removal import remove_bag
+from soup_lab.bags.removal import remove_bag
 from soup_msgs_py.errors import InputError
 
 

@@ -11,7 +11,7 @@ import pytest
 
 import _environment
 from soup_bots.steering import KNOWN as STEERING
-from soup_lab.headless_arguments import DEFAULT_DURATION_S, parse
+from soup_lab.headless.arguments import DEFAULT_DURATION_S, parse
 from soup_lab.lab_arguments import PLANNERS, parse_swap
 from soup_managers.fleets.make import FLEET
 from soup_managers.planners.known import PLANNERS as KNOWN_PLANNERS

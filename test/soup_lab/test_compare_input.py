@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 import yaml
 
-from soup_lab.compare_cli import main
-from soup_lab.compare_experiment import load_experiment
+from soup_lab.experiments.experiment import load_experiment
+from soup_lab.experiments.program import main
 from soup_msgs_py.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -162,7 +162,7 @@ def test_results_cannot_go_where_a_file_is(tmp_path: Path, capsys: pytest.Captur
 def test_a_cluster_that_does_not_answer_is_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr("soup_lab.compare_runs.CONNECT_S", 0.5)
+    monkeypatch.setattr("soup_lab.experiments.runs.CONNECT_S", 0.5)
     assert main([str(written(tmp_path)), "--out", str(tmp_path / "out"), "--scheduler", "tcp://127.0.0.1:9"]) == 2
     assert "--scheduler: found no scheduler at tcp://127.0.0.1:9; allowed:" in capsys.readouterr().err
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from soup_lab.compare_statistics import estimate, holm, paired_difference
-from soup_lab.runs import combine
+from soup_lab.experiments.statistics import estimate, holm, paired_difference
+from soup_lab.headless.runs import combine
 
 RATES = st.floats(0.0, 10.0).map(lambda rate: round(rate, 6))
 PAIRS = st.lists(st.tuples(RATES, RATES), min_size=2, max_size=12)

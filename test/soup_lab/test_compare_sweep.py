@@ -17,11 +17,11 @@ import pytest
 import yaml
 from distributed import LocalCluster
 
-from soup_lab import pool
-from soup_lab.compare_cli import main
-from soup_lab.compare_experiment import load_experiment
-from soup_lab.compare_runs import OtherCodeError, attempt, jobs, run_local
-from soup_lab.compare_store import Store
+from soup_lab.experiments.experiment import load_experiment
+from soup_lab.experiments.program import main
+from soup_lab.experiments.runs import OtherCodeError, attempt, jobs, run_local
+from soup_lab.experiments.store import Store
+from soup_lab.headless import pool
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.figures import told, with_interval
 
@@ -202,11 +202,11 @@ def test_results_of_other_settings_or_code_are_kept_but_not_used(
 ):
     path, out = copy
     written(path.parent, duration_s=310)
-    monkeypatch.setattr("soup_lab.compare_cli.run_local", lambda todo, processes: (_ for _ in ()))
+    monkeypatch.setattr("soup_lab.experiments.program.run_local", lambda todo, processes: (_ for _ in ()))
     main([str(path), "--out", str(out)])
     assert f"{RUNS} runs; {RUNS} others, of other settings, seeds or code, are kept" in capsys.readouterr().err
     written(path.parent)
-    monkeypatch.setattr("soup_lab.compare_runs.code_digest", lambda: "another")
+    monkeypatch.setattr("soup_lab.experiments.runs.code_digest", lambda: "another")
     main([str(path), "--out", str(out)])
     assert f"{RUNS} runs; {RUNS} others, of other settings, seeds or code, are kept" in capsys.readouterr().err
     assert len(results(out)) == RUNS
@@ -267,7 +267,7 @@ def test_code_that_changes_while_the_sweep_starts_makes_it_start_again(
             raise OtherCodeError
         yield from real(todo, processes)
 
-    monkeypatch.setattr("soup_lab.compare_cli.run_local", changed_once)
+    monkeypatch.setattr("soup_lab.experiments.program.run_local", changed_once)
     assert main([str(copy[0]), "--out", str(copy[1])]) == 0
     assert "the code changed while the sweep was starting; it starts again with the new code" in capsys.readouterr().err
     assert len(starts) == 2
@@ -303,7 +303,7 @@ def test_a_process_that_is_killed_is_told_and_what_was_done_is_kept(
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=["Ctrl-C", "killed"])
 def test_a_sweep_that_is_stopped_leaves_no_process_and_goes_on_later(tmp_path: Path, number: signal.Signals):
     path, out = written(tmp_path, duration_s=50_000, seeds=[1], warmup_s=0), tmp_path / "out"
-    program = "import sys; from soup_lab.compare_cli import main; sys.exit(main(sys.argv[1:]))"
+    program = "import sys; from soup_lab.experiments.program import main; sys.exit(main(sys.argv[1:]))"
     command = [sys.executable, "-c", program, str(path), "--out", str(out), "--processes", "2"]
     workers: list[psutil.Process] = []
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)

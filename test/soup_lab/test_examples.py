@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from soup_lab import headless_cli
+from soup_lab.headless import program as headless_cli
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMANDS = [

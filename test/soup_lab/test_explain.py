@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from soup_lab.headless_cli import main
+from soup_lab.headless.program import main
 from soup_managers.explain import DECISIONS
 from soup_msgs_py.warehouse.tiles import parse_tile
 

@@ -9,8 +9,8 @@ from typing import Any, NoReturn
 
 import pytest
 
-from soup_lab import headless_cli
-from soup_lab.runs import combine
+from soup_lab.headless import program as headless_cli
+from soup_lab.headless.runs import combine
 from soup_msgs_py.errors import InputError
 from soup_sim.setup import load_warehouse
 from soup_sim.summary import write_summary

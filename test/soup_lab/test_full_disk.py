@@ -12,9 +12,10 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from soup_lab import headless_cli, plan_cli
-from soup_lab.compare_store import Store
-from soup_lab.warehouse_node import Progress
+from soup_lab.experiments.store import Store
+from soup_lab.headless import program as headless_cli
+from soup_lab.launch.warehouse_node import Progress
+from soup_lab.planning import program as plan_cli
 
 ROOT = Path(__file__).resolve().parents[2]
 RUN = ["--duration", "20", "--set", "bots=2"]

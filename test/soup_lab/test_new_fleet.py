@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import _environment
-from soup_lab.headless import Headless, make_minds
+from soup_lab.headless.simulation import Headless, make_minds
 from soup_managers.fleets.make import make_fleet
 from soup_managers.fleets.planned.fleet import PlannedFleet
 from soup_managers.state.robots import Activity

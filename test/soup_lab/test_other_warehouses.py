@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from random_warehouse import draw
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.policies import Policies, load_policies

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 from matplotlib.text import Annotation
 
-from soup_lab.benchmark_cli import main as measure
-from soup_lab.plan_cli import main
-from soup_lab.plan_picture import draw_paths
+from soup_lab.benchmarks.program import main as measure
+from soup_lab.planning.picture import draw_paths
+from soup_lab.planning.program import main
 from soup_managers.planners.check import play
 from soup_managers.planners.optimal import optimal
 from soup_managers.planners.plan import Task

@@ -12,8 +12,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import _environment
-from soup_lab import headless_cli
-from soup_lab.headless import Headless
+from soup_lab.headless import program as headless_cli
+from soup_lab.headless.simulation import Headless
 from soup_managers.fleets.planned.fleet import PlannedFleet
 from soup_managers.fleets.planned.policies import Planned
 from soup_managers.planners.check import check_plan, play

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from soup_lab import headless_cli
-from soup_lab.headless import make_minds
+from soup_lab.headless import program as headless_cli
+from soup_lab.headless.simulation import make_minds
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.policies import Policies, load_policies
 from soup_msgs_py.reading.yaml_input import validate

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from soup_lab import headless_cli
+from soup_lab.headless import program as headless_cli
 
 OWN = """\
 import numpy as np

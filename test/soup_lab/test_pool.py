@@ -11,7 +11,7 @@ import time
 import psutil
 import pytest
 
-from soup_lab.pool import share_out
+from soup_lab.headless.pool import share_out
 from soup_msgs_py.errors import RunError
 
 PATIENCE_S = 60.0
@@ -19,7 +19,7 @@ PATIENCE_S = 60.0
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL], ids=["Ctrl-C", "killed"])
 def test_replications_that_are_stopped_leave_no_process(number: signal.Signals):
-    program = "import sys; from soup_lab.headless_cli import main; sys.exit(main(sys.argv[1:]))"
+    program = "import sys; from soup_lab.headless.program import main; sys.exit(main(sys.argv[1:]))"
     run = ["--duration", "500000", "--replications", "2", "--processes", "2"]
     process = subprocess.Popen([sys.executable, "-c", program, *run], stderr=subprocess.PIPE, text=True)
     workers: list[psutil.Process] = []

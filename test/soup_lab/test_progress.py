@@ -7,7 +7,7 @@ import re
 
 from rich.console import Console
 
-from soup_lab.warehouse_node import Progress
+from soup_lab.launch.warehouse_node import Progress
 
 WAITS = "97 % of the time, most for bots 0-124,126-249"
 FIGURES = {

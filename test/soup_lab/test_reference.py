@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from soup_lab.reference_cli import PAGES, main, outdated
-from soup_lab.reference_policies import GROUPS, described, options_of
+from soup_lab.reference.policies import GROUPS, described, options_of
+from soup_lab.reference.program import PAGES, main, outdated
 from soup_managers.explain import DECISIONS
 from soup_msgs_py.scenario import Scenario
 from soup_sim.summary import KEYS

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from soup_lab.restarts import FIRST_S, LONGEST_S, MOST, STEADY_S, Restarts
+from soup_lab.launch.restarts import FIRST_S, LONGEST_S, MOST, STEADY_S, Restarts
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_msgs_py.codes import BotState
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import Event

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import BotState, EventType

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from world_hands import bucket_at_hand, clear, codes, do, loaded_at, place
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.policies import Policies, PolicyChoice, load_policies
@@ -301,7 +301,9 @@ def test_the_temporal_penalty_for_collisions(seconds: float) -> None:
 
 
 def test_a_run_without_a_display_loads_none_and_no_ros() -> None:
-    code = "import soup_lab.headless, sys; print([n for n in ('soup_dashboard', 'rclpy') if n in sys.modules])"
+    code = (
+        "import soup_lab.headless.simulation, sys; print([n for n in ('soup_dashboard', 'rclpy') if n in sys.modules])"
+    )
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert ran.stdout.strip() == "[]"
 

@@ -21,7 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from world_hands import bucket_at_hand, clear, do, place
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_managers.fleets.make import FLEET
 from soup_managers.fleets.minimal.plans import Place, PlannedVisit, TripPlan
 from soup_managers.fleets.minimal.policies import FleetPolicy

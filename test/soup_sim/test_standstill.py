@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_msgs_py.policies import load_policies
 from soup_sim.setup import load_warehouse
 from soup_sim.standstill import patience_s

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from world_hands import bucket_at_hand, clear, do, place
 
-from soup_lab.headless import Headless
+from soup_lab.headless.simulation import Headless
 from soup_managers.fleets.make import FLEET
 from soup_managers.fleets.minimal.policies import Minimal
 from soup_msgs_py import messages as m

@@ -19,7 +19,7 @@ MOST_BYTES = 10_000_000
 _FILE = "a world file"
 SUFFIX = ".txt"  # of a world file, where a scenario could be one
 PITCH_M = 3.0  # between two cells of a warehouse's floor
-_WORDS = Path(__file__).resolve().parents[3] / "config/words/prose.txt"  # every scenario has some
+_WORDS = Path(__file__).resolve().parents[4] / "config/words/prose.txt"  # every scenario has some
 MOVES = {"U": (0, -1), "D": (0, 1), "L": (-1, 0), "R": (1, 0)}
 
 

@@ -1,0 +1,1 @@
+"""rosbag2 bags: recorded, made whole, replayed, judged, run on."""

@@ -1,0 +1,1 @@
+"""Experiments: policies compared over scenarios and seeds."""

@@ -1,0 +1,1 @@
+"""A whole warehouse in one process: one run, or many with independent seeds."""

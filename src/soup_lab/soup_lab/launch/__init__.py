@@ -1,0 +1,1 @@
+"""A live warehouse: its processes started, kept running, ended."""

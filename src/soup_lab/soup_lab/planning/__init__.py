@@ -1,0 +1,1 @@
+"""Joint plans for worlds of cells, shown."""
