@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from tiny_world import TinyWorld, layout_of
 
-from soup_bots.bot_mind import BotMind, ByHandReply
+from soup_bots.trip.bot_mind import BotMind, ByHandReply
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.messages import (
     BotReply,

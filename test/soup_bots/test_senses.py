@@ -14,7 +14,7 @@ from soup_bots.senses import NOWHERE
 from soup_bots.steering import KNOWN, Evade, Me, Neighbour, Steer, Steering, SteerView
 from soup_lab.headless.simulation import Headless
 from soup_msgs_py.policies import Policies, PolicyChoice
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.world import World
 
 ROOT = Path(__file__).parents[2]

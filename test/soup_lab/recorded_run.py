@@ -19,7 +19,7 @@ from soup_msgs_py.messages import Event, WorldState
 from soup_msgs_py.policies import load_policies
 from soup_msgs_py.wire import Announcement, to_ros, to_ros_of, to_stamp, to_statistics
 from soup_sim.checkpoint import make_checkpoint
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 BEGIN = 1_790_000_000_000_000_000  # ns since 1970

@@ -12,7 +12,7 @@ import pytest
 from soup_lab.headless import program as headless_cli
 from soup_lab.headless.runs import combine
 from soup_msgs_py.errors import InputError
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.summary import write_summary
 
 DEMO = Path(__file__).parents[2] / "config/scenarios/demo.yaml"

@@ -21,7 +21,7 @@ from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.mind import Message
 from soup_msgs_py.policies import Policies, load_policies
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 CONFIG: Path = _environment.ROOT / "config"
 COLLISIONS = frozenset({EventType.BOT_COLLISION, EventType.BUCKET_COLLISION})

@@ -11,7 +11,7 @@ from soup_lab.headless.simulation import Headless
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.policies import Policies, load_policies
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 BEST = load_policies(CONFIG / "policies/best.yaml", {})

@@ -25,7 +25,7 @@ from soup_msgs_py.errors import InputError
 from soup_msgs_py.policies import load_policies
 from soup_msgs_py.scenario.floor_plan import CellsLayout
 from soup_msgs_py.warehouse.cell_world import World, parse_world
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.validate import Judge
 
 CONFIG: Path = _environment.ROOT / "config"

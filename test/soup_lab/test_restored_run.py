@@ -22,8 +22,8 @@ from soup_sim.checkpoint import (
     write_checkpoint,
 )
 from soup_sim.checkpoint_state import Books
-from soup_sim.run_record import RunRecord
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.run_recorder import RunRecorder
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 from soup_sim.world import World
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
@@ -37,10 +37,10 @@ def warehouse() -> Warehouse:
     return load_warehouse(CONFIG / "scenarios/demo.yaml", [f"words={CONFIG / 'words/prose.txt'}"])
 
 
-def begun(warehouse: Warehouse, folder: Path) -> tuple[Headless, RunRecord, Path]:
+def begun(warehouse: Warehouse, folder: Path) -> tuple[Headless, RunRecorder, Path]:
     """A run in the middle; what was written since its checkpoint is in its log, and no file is open after its end."""
     world = warehouse.world(1)
-    record = RunRecord(world, 1, folder / "summary.json", folder / "events.jsonl")
+    record = RunRecorder(world, 1, folder / "summary.json", folder / "events.jsonl")
     run = Headless(world, POLICIES, 1, record.event)
     run.run(FIRST_S)
     file = folder / "world.checkpoint"
@@ -50,11 +50,11 @@ def begun(warehouse: Warehouse, folder: Path) -> tuple[Headless, RunRecord, Path
     return run, record, file
 
 
-def go_on(warehouse: Warehouse, checkpoint: Path, log: Path) -> tuple[World, RunRecord]:
+def go_on(warehouse: Warehouse, checkpoint: Path, log: Path) -> tuple[World, RunRecorder]:
     """Another process that goes on from a checkpoint."""
     world = warehouse.world(1)
     books = restore_checkpoint(checkpoint, world)
-    record = RunRecord(world, 1, log.with_name("summary.json"), log, books)
+    record = RunRecorder(world, 1, log.with_name("summary.json"), log, books)
     for said in come_to_rest(world):
         if isinstance(said, Event):
             record.event(said)
@@ -106,7 +106,7 @@ def test_a_run_and_its_summary_go_on_without_a_log_that_fails(
 ):
     told: list[str] = []
     world = warehouse.world(1)
-    record = RunRecord(world, 1, tmp_path / "summary.json", tmp_path / "events.jsonl", tell=told.append)
+    record = RunRecorder(world, 1, tmp_path / "summary.json", tmp_path / "events.jsonl", tell=told.append)
     run = Headless(world, POLICIES, 1, record.event)
     run.run(FIRST_S)
     written = record.capture().log
@@ -128,7 +128,7 @@ def test_a_run_and_its_summary_go_on_without_a_log_that_fails(
     assert len(told) == 1 and "No space left on device" in told[0]
     # nor does a run that goes on from there hide the gap
     books = apply_checkpoint(checkpoint, warehouse.world(1), "checkpoint")
-    again = RunRecord(world, 1, None, tmp_path / "events.jsonl", books, told.append)
+    again = RunRecorder(world, 1, None, tmp_path / "events.jsonl", books, told.append)
     again.close()
     assert written.size == half.stat().st_size
     assert "has ended before" in told[-1]
@@ -137,7 +137,7 @@ def test_a_run_and_its_summary_go_on_without_a_log_that_fails(
 def test_a_summary_that_cannot_be_written_is_told_and_the_log_is_whole(warehouse: Warehouse, tmp_path: Path):
     told: list[str] = []
     world = warehouse.world(1)
-    record = RunRecord(world, 1, Path("/dev/full"), tmp_path / "events.jsonl", tell=told.append)
+    record = RunRecorder(world, 1, Path("/dev/full"), tmp_path / "events.jsonl", tell=told.append)
     Headless(world, POLICIES, 1, record.event).run(FIRST_S)
     assert record.finish(1.0, POLICIES)["sim_seconds"] == FIRST_S
     assert not record.is_written

@@ -13,7 +13,7 @@ from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.policies import load_policies
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.validate import Judge
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"

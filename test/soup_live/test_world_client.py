@@ -17,7 +17,7 @@ from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.messages import AssignBundle, Beat, BotReply, Event, Heard
 from soup_msgs_py.mind import EVERYTHING, NEVER
 from soup_msgs_py.wire import Announcement, from_ros, to_ros
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 

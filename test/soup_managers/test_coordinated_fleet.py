@@ -11,7 +11,7 @@ from soup_managers.fleets.coordinated.fleet import CoordinatedFleet
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.policies import load_policies
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 STEP_S = 0.05

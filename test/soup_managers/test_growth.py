@@ -22,7 +22,7 @@ from soup_msgs_py.messages import (
     TaskResult,
 )
 from soup_msgs_py.policies import PolicyChoice
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 SHORT = 25  # letters that a word of the jargon has at most

@@ -13,7 +13,7 @@ from soup_msgs_py.policies import load_policies
 from soup_msgs_py.reading.files import folder_of, read_bytes, read_text, whole_path
 from soup_msgs_py.scenario import load_scenario
 from soup_msgs_py.warehouse.cell_world import read_world
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 DEMO = Path(__file__).parents[2] / "config/scenarios/demo.yaml"
 

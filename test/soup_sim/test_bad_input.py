@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from soup_msgs_py.errors import InputError
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 ROOT = Path(__file__).parents[2]
 DEMO = ROOT / "config/scenarios/demo.yaml"

@@ -17,7 +17,7 @@ from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import FollowPath, Grab, SetVelocity
 from soup_sim import checkpoint
 from soup_sim.checkpoint import apply_checkpoint, hold_folder, make_checkpoint, place_for, restore_checkpoint
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 from soup_sim.world import World
 
 DEMO = Path(__file__).parents[2] / "config/scenarios/demo.yaml"

@@ -14,7 +14,7 @@ from soup_msgs_py.codes import Code
 from soup_msgs_py.mail import Mail
 from soup_msgs_py.messages import BotReply, Heard
 from soup_sim.in_flight import InFlight
-from soup_sim.listeners import PATIENCE_S, Listeners
+from soup_sim.lockstep import PATIENCE_S, Lockstep
 from soup_sim.summary import lateness
 
 FLEET, BOTS = "fleet manager", "bots 0-3"
@@ -88,7 +88,7 @@ def test_who_gives_up_says_so_until_something_is_heard_there_again(flight: InFli
 
 
 def test_the_world_waits_for_a_message_between_two_others_and_says_what_it_gave_up():
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.hear(heard(FLEET, sent={ORDERS: 1}), 0.0)
     listeners.hear(heard(BOTS, got={ORDERS: 1}), 0.0)
     assert not listeners.wait(0.0)
@@ -106,7 +106,7 @@ def test_the_world_waits_for_a_message_between_two_others_and_says_what_it_gave_
 
 
 def test_who_needs_long_to_answer_gets_as_long_for_what_is_sent_to_it_then():
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.hear(heard(FLEET, sent={ORDERS: 1}), 0.0)
     listeners.hear(heard(BOTS, got={ORDERS: 1}), 0.0)
     listeners.hear(heard(FLEET, sent={ORDERS: 2}), 1.0)
@@ -115,7 +115,7 @@ def test_who_needs_long_to_answer_gets_as_long_for_what_is_sent_to_it_then():
 
 
 def test_what_somebody_says_before_it_was_asked_is_not_taken_for_what_was_forgiven():
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.hear(heard(FLEET), 0.0)
     listeners.hear(replace(heard(BOTS, sent={OUTCOMES: 1}), bots=frozenset(range(4))), 0.0)
     listeners.hear(heard(FLEET, got={OUTCOMES: 1}), 0.0)

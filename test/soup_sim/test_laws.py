@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from soup_msgs_py import messages as m
 from soup_sim.checkpoint import restore_checkpoint, write_checkpoint
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 from soup_sim.validate import Judge
 from soup_sim.world import World
 

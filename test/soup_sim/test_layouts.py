@@ -19,7 +19,7 @@ from soup_msgs_py.scenario import Scenario, load_scenario, scenario_from_json
 from soup_msgs_py.scenario.floor_plan import MapLayout
 from soup_msgs_py.warehouse.layout import Layout
 from soup_sim.layouts import make_layout
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 
 ROOT = Path(__file__).parents[2]
 SCENARIOS = ROOT / "config/scenarios"

@@ -14,7 +14,7 @@ from world_hands import do
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code
 from soup_sim.driving import latest_time
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 from soup_sim.validate import Judge
 from soup_sim.world import World
 

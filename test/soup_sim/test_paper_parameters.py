@@ -22,7 +22,7 @@ from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.policies import Policies, PolicyChoice, load_policies
 from soup_msgs_py.warehouse.tiles import LETTERS, tile_colour
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 from soup_sim.summary import make_summary
 from soup_sim.world import World
 

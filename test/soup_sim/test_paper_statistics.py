@@ -30,7 +30,7 @@ from soup_managers.kernels.bitset import first, members
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.policies import Policies, PolicyChoice
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 from soup_sim.summary import KEYS, make_summary
 
 ROOT = Path(__file__).parents[2]

@@ -6,7 +6,7 @@ import pytest
 
 from soup_lab.headless.simulation import Headless
 from soup_msgs_py.policies import load_policies
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.standstill import patience_s
 from soup_sim.world import World
 

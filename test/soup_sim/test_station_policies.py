@@ -13,7 +13,7 @@ from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.scenario import load_scenario
 from soup_msgs_py.warehouse.tiles import tile_letter
 from soup_sim.checkpoint import fingerprint, restore_checkpoint, write_checkpoint
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.world import World
 
 ROOT = Path(__file__).parents[2]

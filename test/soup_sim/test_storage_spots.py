@@ -15,7 +15,7 @@ from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.policies import Policies, PolicyChoice
 from soup_sim.checkpoint import restore_checkpoint, write_checkpoint
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 from soup_sim.validate import Judge
 from soup_sim.world import World
 

@@ -11,12 +11,12 @@ import numpy as np
 from rclpy.event_handler import PublisherEventCallbacks
 from soup_msgs import action, msg
 
-from soup_bots.bot_mind import ByHandReply
 from soup_bots.bot_node import NOT_YET, BotNode
 from soup_bots.crew import FOR_BOTS, Crew
-from soup_bots.rehearsal import rehearse
 from soup_bots.steering import KNOWN
 from soup_bots.steering.base import Steering
+from soup_bots.trip.bot_mind import ByHandReply
+from soup_bots.warm_up import rehearse
 from soup_live.actions import GoalClient
 from soup_live.diagnostics import Report
 from soup_live.domain import stay_on_this_machine

@@ -13,10 +13,7 @@ from copy import deepcopy
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_bots.bot_mind import BotMind
 from soup_bots.commands import ASK, BACK, SAY, SILENT, TELL, WHEEL, what_changes
-from soup_bots.courtesy import free_place
-from soup_bots.passing import corners_passed, room_to_start
 from soup_bots.senses import KnownContents, Senses
 from soup_bots.steering.base import (
     BOT_ON_GOAL,
@@ -31,6 +28,9 @@ from soup_bots.steering.base import (
     SteerView,
     follow_all,
 )
+from soup_bots.trip.bot_mind import BotMind
+from soup_bots.trip.waypoint_progress import corners_passed, room_to_start
+from soup_bots.trip.yielding import free_place
 from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.messages import Bots, Buckets, DriveGoal, Event, FollowPath, SetVelocities, Snapshot
 from soup_msgs_py.mind import NEVER, Message

@@ -59,13 +59,13 @@ from soup_sim.checkpoint import (
     write_checkpoint,
 )
 from soup_sim.checkpoint_state import Books
-from soup_sim.listeners import Listeners
+from soup_sim.lockstep import Lockstep
 from soup_sim.markers_node import Markers
 from soup_sim.pacing import Pacer
-from soup_sim.rehearsal import rehearse
-from soup_sim.run_record import RunRecord
-from soup_sim.setup import load_warehouse
+from soup_sim.run_recorder import RunRecorder
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.summary import lateness, table
+from soup_sim.warm_up import rehearse
 from soup_sim.world import World
 
 TICK_S = 0.01  # wall time between two looks at the pace
@@ -93,7 +93,7 @@ class WorldNode:
     """
 
     def __init__(
-        self, live: Live, node: Any, world: World, pacer: Pacer, record: RunRecord, parts: Sequence[str] = ()
+        self, live: Live, node: Any, world: World, pacer: Pacer, record: RunRecorder, parts: Sequence[str] = ()
     ) -> None:
         """Begin to publish and to listen.
 
@@ -120,8 +120,8 @@ class WorldNode:
         self._events = node.create_publisher(msg.Event, topics.EVENTS, EVERY_ONE)
         self._replies = node.create_publisher(msg.BotReply, topics.REPLIES, EVERY_ONE)
         # clocks go on while worlds are started again
-        self._listeners = Listeners(time.time_ns() // 1000)
-        self._listeners.expect(parts, time.monotonic())
+        self._lockstep = Lockstep(time.time_ns() // 1000)
+        self._lockstep.expect(parts, time.monotonic())
         self._beat = node.create_publisher(msg.Beat, topics.BEAT, LATCHED)
         self._sensed_bots = node.create_publisher(msg.Bots, topics.SENSED_BOTS, SHOWN)
         self._sensed_buckets = node.create_publisher(msg.Buckets, topics.SENSED_BUCKETS, SHOWN)
@@ -184,7 +184,7 @@ class WorldNode:
     @property
     def latency_s(self) -> float:
         """Simulated time that went on without a part or a message that the world had waited for in vain (s)."""
-        return self._listeners.latency_s
+        return self._lockstep.latency_s
 
     def policies(self) -> Policies:
         """What the parts that are at work say that they follow."""
@@ -225,22 +225,22 @@ class WorldNode:
 
     def _advance(self) -> None:
         """Go as far as the pace allows, but not past an instant at which something was said that a part has to hear."""
-        wall, world, listeners = time.monotonic(), self._world, self._listeners
-        until = self._pacer.until(wall, world.now, without=bool(listeners.missing))
-        while not listeners.wait(wall, paused=self._pacer.paused):
-            if not listeners.asked:
+        wall, world, lockstep = time.monotonic(), self._world, self._lockstep
+        until = self._pacer.until(wall, world.now, without=bool(lockstep.missing))
+        while not lockstep.wait(wall, paused=self._pacer.paused):
+            if not lockstep.asked:
                 before = world.now
-                until_then = min(until, listeners.next_time, self._poses_at)
+                until_then = min(until, lockstep.next_time, self._poses_at)
                 said = world.advance(max(world.now, until_then), pause=True)
-                listeners.went_on(world.now - before)
+                lockstep.went_on(world.now - before)
                 self._tell(said)
                 if world.now >= self._poses_at:
                     self._publish_poses()
-                if not listeners.asked and world.now < listeners.next_time:
+                if not lockstep.asked and world.now < lockstep.next_time:
                     if said or world.now < until:
                         continue  # nobody has to hear it
                     return
-            if listeners.next_time <= world.now:
+            if lockstep.next_time <= world.now:
                 self._publish(self._sensed_buckets, world.buckets())
                 self._publish(self._sensed_bots, world.bots())
             self._publish_beat(wall)
@@ -248,17 +248,17 @@ class WorldNode:
     def _tell_time(self) -> None:
         """Let parts that nothing has concerned for a while know how late it is; anybody may publish on /clock."""
         wall, now = time.monotonic(), self._world.now
-        if now > self._told_time and not self._listeners.wait(wall, paused=self._pacer.paused):
+        if now > self._told_time and not self._lockstep.wait(wall, paused=self._pacer.paused):
             self._publish_beat(wall)
 
     def _publish_beat(self, wall: float) -> None:
         self._told_time = self._world.now
-        self._publish(self._beat, self._listeners.beat(self._told_time, wall, self._world.sequence))
+        self._publish(self._beat, self._lockstep.beat(self._told_time, wall, self._world.sequence))
 
     def _on_heard(self, message: msg.Heard) -> None:
         heard: Heard = from_ros(message)
         if self._is_meant(message.run):
-            self._listeners.hear(heard, time.monotonic())
+            self._lockstep.hear(heard, time.monotonic())
             self._advance()
 
     def _on_request(self, message: msg.BotRequest) -> None:
@@ -274,14 +274,14 @@ class WorldNode:
         """Hand a request to the world at the time that it is now; its answer to a manager."""
         self._advance()
         answer = self._tell(self._world.handle(message))
-        if self._listeners.asked:
+        if self._lockstep.asked:
             self._advance()
         return answer
 
     def _tell(self, said: list[Event | BotReply | Reply]) -> Reply | None:
         answer = None
         for message in said:
-            self._listeners.tell(message)
+            self._lockstep.tell(message)
             if isinstance(message, Event):
                 self._record.event(message)
                 self._publish(self._events, message)
@@ -362,7 +362,7 @@ class WorldNode:
 
     def _write_checkpoint(self, path: Path) -> None:
         books = self._record.capture()
-        more = {"wall_seconds": self._pacer.wall_seconds, "parts": tuple(self._listeners.names)}
+        more = {"wall_seconds": self._pacer.wall_seconds, "parts": tuple(self._lockstep.names)}
         write_checkpoint(path, self._world, books.model_copy(update=more))
 
     def _publish_poses(self) -> None:
@@ -396,8 +396,8 @@ class WorldNode:
         self._state.publish(to_ros(WorldState(world.now, world.run, world.sequence, make_checkpoint(world))))
 
     def _report_waits(self) -> None:
-        self._report.values[WAITS] = self._listeners.waited(time.monotonic())
-        missing = self._listeners.missing
+        self._report.values[WAITS] = self._lockstep.waited(time.monotonic())
+        missing = self._lockstep.missing
         if missing:
             self._report.waits(f"goes on without {', '.join(missing)}: silent for too long")
         elif vacant := self._vacancies.look():
@@ -416,7 +416,7 @@ class WorldNode:
         figures["refused_requests"] = self._refused
         figures["malformed_messages"] = self._live.malformed
         figures["violations"] = self._record.violations
-        figures["latency_s"] = self._listeners.latency_s
+        figures["latency_s"] = self._lockstep.latency_s
         self._statistics.publish(to_statistics(world.now, figures))
 
 
@@ -451,7 +451,7 @@ def run_world(options: Any) -> int:
             if options.restore and file is not None and file.exists():
                 books = restore_checkpoint(file, world)
                 pacer.wall_seconds = books.wall_seconds
-            record = RunRecord(world, options.seed, options.summary, options.event_log, books, live.tell)
+            record = RunRecorder(world, options.seed, options.summary, options.event_log, books, live.tell)
             files.enter_context(closing(record))
             if world.now > 0.0:
                 for said in come_to_rest(world):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from soup_bots.steering.arrays import Norms, bots_of, buckets_of, make_memory, make_norms, rows_of, told_in
 from soup_bots.steering.base import Steer, Steering, SteerView, follow_all
-from soup_bots.steering.looking import Desk, make_desk
+from soup_bots.steering.look import Desk, make_desk
 from soup_bots.steering.rows import steer_rows
+from soup_bots.steering.scene import Norms, bots_of, buckets_of, make_memory, make_norms, rows_of, told_in
 from soup_msgs_py.scenario.parameters import NotNegative, Positive
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from soup_bots.steering.base import BOT_ON_GOAL, BUCKET_IN_WAY, BUCKET_ON_GOAL, EVADES, VELOCITY
 from soup_bots.steering.cells import CELL_M, fill_cells
-from soup_bots.steering.choice import (
+from soup_bots.steering.choose import (
     Discs,
     Mover,
     Way,
@@ -29,8 +29,8 @@ from soup_bots.steering.choice import (
     way_to,
 )
 from soup_bots.steering.geometry import FAR, TURNS
-from soup_bots.steering.looking import Seen, note_bots, note_buckets
-from soup_bots.steering.waiting import occupier, waiting_point
+from soup_bots.steering.look import Seen, note_bots, note_buckets
+from soup_bots.steering.yield_way import occupier, waiting_point
 from soup_msgs_py.codes import BotState
 from soup_msgs_py.kernel import inlined, kernel
 

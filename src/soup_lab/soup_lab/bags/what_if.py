@@ -22,7 +22,7 @@ from soup_msgs_py.scenario import load_words
 from soup_msgs_py.wire import Announcement, MalformedMessage, from_cdr
 from soup_sim.arrivals import read_timed_bundles, read_timed_words
 from soup_sim.checkpoint import apply_checkpoint
-from soup_sim.setup import Warehouse
+from soup_sim.scenario_loader import Warehouse
 from soup_sim.world import World
 
 SHOWN = (

@@ -12,7 +12,7 @@ from pathlib import Path
 from soup_lab.headless.pool import share_out
 from soup_lab.headless.simulation import Headless
 from soup_msgs_py.policies import Policies
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 
 WARM_S = 60.0  # simulated seconds before the clock starts: bots are on their way
 RUNS = 5  # after one in which kernels are compiled or loaded; whatever else the machine does only makes them slower

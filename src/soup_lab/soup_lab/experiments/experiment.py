@@ -18,7 +18,7 @@ from soup_msgs_py.errors import InputError
 from soup_msgs_py.policies import ROLES, Policies, PolicyChoice, anchor, load_policies, name_alone
 from soup_msgs_py.reading.files import folder_of, read_text
 from soup_msgs_py.reading.yaml_input import LARGEST_FILE_BYTES, read_mapping, validate
-from soup_sim.setup import Warehouse, load_warehouse
+from soup_sim.scenario_loader import Warehouse, load_warehouse
 
 
 @dataclass(frozen=True)

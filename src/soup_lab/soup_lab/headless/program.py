@@ -18,7 +18,7 @@ from soup_msgs_py.command_line.output_files import GrowingFile
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.figures import rows, told
 from soup_msgs_py.policies import ROLES, load_policies
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.summary import table, write_summary
 from soup_sim.world import World
 

@@ -19,7 +19,7 @@ from soup_msgs_py.messages import Event
 from soup_msgs_py.policies import Policies
 from soup_sim.checkpoint import come_to_rest
 from soup_sim.event_log import EventLog
-from soup_sim.setup import Warehouse
+from soup_sim.scenario_loader import Warehouse
 from soup_sim.summary import make_summary
 from soup_sim.validate import Judge
 from soup_sim.world import World

@@ -39,7 +39,7 @@ from soup_msgs_py.command_line.output_files import why, write_whole
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.policies import MANAGERS, ROLES, Policies, load_policies
 from soup_msgs_py.wire import from_statistics
-from soup_sim.setup import load_warehouse
+from soup_sim.scenario_loader import load_warehouse
 from soup_sim.standstill import STALLED
 from soup_sim.summary import lateness, table, write_summary
 

@@ -9,7 +9,7 @@ import pytest
 
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.messages import Beat, BotReply, Event, Heard
-from soup_sim.listeners import BOTS_PATIENCE_S, FIRST_ANSWERS, FIRST_PATIENCE_S, PATIENCE_S, Listeners
+from soup_sim.lockstep import BOTS_PATIENCE_S, FIRST_ANSWERS, FIRST_PATIENCE_S, PATIENCE_S, Lockstep
 
 REACTS = frozenset({EventType.BOT_COLLISION, EventType.WORD_COMPLETED})
 FLEET = Heard("fleet manager", 0, math.inf, REACTS)
@@ -23,9 +23,9 @@ def answer(part: Heard, beat: Beat) -> Heard:
 
 
 @pytest.fixture
-def listeners() -> Listeners:
+def listeners() -> Lockstep:
     """The fleet manager and some bots follow the world, which has said something that concerns both."""
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.hear(FLEET, 0.0)
     listeners.hear(BOTS, 0.0)
     for _ in range(FIRST_ANSWERS):
@@ -38,13 +38,13 @@ def listeners() -> Listeners:
 
 
 def test_a_world_that_nobody_follows_waits_for_nobody():
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.beat(1.0, 0.0)
     assert not listeners.wait(0.0)
     assert listeners.next_time == math.inf
 
 
-def test_the_world_waits_until_everybody_has_heard_it(listeners: Listeners):
+def test_the_world_waits_until_everybody_has_heard_it(listeners: Lockstep):
     assert not listeners.wait(0.0)
     beat = listeners.beat(1.0, 0.0)
     listeners.hear(answer(BOTS, beat), 0.1)
@@ -53,7 +53,7 @@ def test_the_world_waits_until_everybody_has_heard_it(listeners: Listeners):
     assert not listeners.wait(0.2)
 
 
-def test_what_was_heard_before_does_not_count_for_a_second_beat_at_the_same_instant(listeners: Listeners):
+def test_what_was_heard_before_does_not_count_for_a_second_beat_at_the_same_instant(listeners: Lockstep):
     first = listeners.beat(1.0, 0.0)
     listeners.tell(STRUCK)
     second = listeners.beat(1.0, 0.0)
@@ -63,7 +63,7 @@ def test_what_was_heard_before_does_not_count_for_a_second_beat_at_the_same_inst
     assert second.number > first.number
 
 
-def test_time_stops_when_the_first_one_wants_to_look_around(listeners: Listeners):
+def test_time_stops_when_the_first_one_wants_to_look_around(listeners: Lockstep):
     listeners.hear(replace(BOTS, next_time=2.5), 0.0)
     listeners.hear(replace(FLEET, next_time=4.0), 0.0)
     assert listeners.next_time == 2.5
@@ -71,7 +71,7 @@ def test_time_stops_when_the_first_one_wants_to_look_around(listeners: Listeners
     assert listeners.next_time == 4.0
 
 
-def test_a_part_that_leaves_is_not_waited_for(listeners: Listeners):
+def test_a_part_that_leaves_is_not_waited_for(listeners: Lockstep):
     listeners.beat(1.0, 0.0)
     for part in (BOTS, FLEET):
         listeners.hear(replace(part, leaves=True), 0.0)
@@ -80,7 +80,7 @@ def test_a_part_that_leaves_is_not_waited_for(listeners: Listeners):
     assert listeners.lost == ()
 
 
-def test_the_world_loses_its_patience_with_a_part_that_is_silent_until_it_speaks_again(listeners: Listeners):
+def test_the_world_loses_its_patience_with_a_part_that_is_silent_until_it_speaks_again(listeners: Lockstep):
     beat = listeners.beat(1.0, 0.0)
     listeners.hear(answer(BOTS, beat), 0.1)
     assert listeners.wait(PATIENCE_S)
@@ -96,7 +96,7 @@ def test_the_world_loses_its_patience_with_a_part_that_is_silent_until_it_speaks
 
 
 def test_a_manager_that_has_just_begun_is_waited_for_while_it_compiles_what_it_computes_with():
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.hear(FLEET, 0.0)
     listeners.tell(STRUCK)
     listeners.beat(1.0, 0.0)
@@ -104,7 +104,7 @@ def test_a_manager_that_has_just_begun_is_waited_for_while_it_compiles_what_it_c
     assert not listeners.wait(FIRST_PATIENCE_S + 0.1)
 
 
-def test_bots_are_waited_for_less_long_than_who_may_have_to_think(listeners: Listeners):
+def test_bots_are_waited_for_less_long_than_who_may_have_to_think(listeners: Lockstep):
     beat = listeners.beat(1.0, 0.0)
     assert listeners.wait(BOTS_PATIENCE_S + 0.1)
     assert listeners.lost == ("bots 0-3",)
@@ -112,7 +112,7 @@ def test_bots_are_waited_for_less_long_than_who_may_have_to_think(listeners: Lis
     assert not listeners.wait(BOTS_PATIENCE_S + 0.2)
 
 
-def test_nobody_is_lost_while_the_world_is_paused(listeners: Listeners):
+def test_nobody_is_lost_while_the_world_is_paused(listeners: Lockstep):
     listeners.beat(1.0, 0.0)
     assert listeners.wait(10.0 * PATIENCE_S, paused=True)
     assert listeners.wait(10.5 * PATIENCE_S)
@@ -120,7 +120,7 @@ def test_nobody_is_lost_while_the_world_is_paused(listeners: Listeners):
 
 
 def test_a_world_that_goes_on_waits_until_those_are_back_who_followed_it():
-    listeners = Listeners(7)
+    listeners = Lockstep(7)
     listeners.expect(["fleet manager", "bots 0-3"], 0.0)
     assert listeners.names == ["fleet manager", "bots 0-3"]
     assert listeners.wait(0.1)
@@ -134,7 +134,7 @@ def test_a_world_that_goes_on_waits_until_those_are_back_who_followed_it():
 
 
 def test_a_world_that_goes_on_does_not_wait_for_ever():
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.expect(["fleet manager", "bots 0-3"], 0.0)
     listeners.hear(FLEET, 0.2)
     assert not listeners.wait(PATIENCE_S + 0.1)
@@ -143,7 +143,7 @@ def test_a_world_that_goes_on_does_not_wait_for_ever():
     assert listeners.lost == ()
 
 
-def test_it_can_be_asked_for_whom_the_world_waits_most(listeners: Listeners):
+def test_it_can_be_asked_for_whom_the_world_waits_most(listeners: Lockstep):
     assert listeners.waited(0.0).startswith("0 %")
     beat = listeners.beat(1.0, 0.0)
     listeners.hear(answer(BOTS, beat), 0.1)
@@ -164,7 +164,7 @@ def test_it_can_be_asked_for_whom_the_world_waits_most(listeners: Listeners):
     ],
 )
 def test_only_those_whom_it_concerns_have_to_hear_it(said: Event | BotReply, who: tuple[str, ...]):
-    listeners = Listeners()
+    listeners = Lockstep()
     listeners.hear(FLEET, 0.0)
     listeners.hear(BOTS, 0.0)
     listeners.tell(said)

@@ -38,7 +38,7 @@ class _Listener:
         return FIRST_PATIENCE_S if self.answers < FIRST_ANSWERS else PATIENCE_S
 
 
-class Listeners:
+class Lockstep:
     """The parts that think, each with the last beat that it has heard.
 
     The world stays at an instant at which it has said something until all whom it concerns have heard it, and all that

@@ -6,7 +6,7 @@ import math
 from enum import IntEnum
 from itertools import pairwise
 
-from soup_bots.passing import corner_ahead
+from soup_bots.trip.waypoint_progress import corner_ahead
 from soup_msgs_py.codes import Phase
 from soup_msgs_py.messages import BotStatus, DriveFeedback, FollowPath, Point, Trip, TripFeedback
 from soup_msgs_py.mind import NEVER, Message

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from soup_bots.driver import LOOK_AGAIN_S, Driver, Step
+from soup_bots.trip.driver import LOOK_AGAIN_S, Driver, Step
 from soup_msgs_py.codes import Code, EventType, Phase
 from soup_msgs_py.messages import (
     BotReply,

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_bots.steering.arrays import BUCKET_LOOK_S, SLOW, Flags, Norms
 from soup_bots.steering.cells import CELL_M, cell_of
-from soup_bots.steering.choice import COLUMNS, DX, DY, KEEPS, KEPT, TOUCH, VX, VY, X, Y, lag
+from soup_bots.steering.choose import COLUMNS, DX, DY, KEEPS, KEPT, TOUCH, VX, VY, X, Y, lag
 from soup_bots.steering.geometry import FAR, kept_distance
+from soup_bots.steering.scene import BUCKET_LOOK_S, SLOW, Flags, Norms
 from soup_msgs_py.codes import BotState
 from soup_msgs_py.kernel import inlined
 from soup_msgs_py.messages import Floats, Ints

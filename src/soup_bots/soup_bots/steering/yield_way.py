@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from soup_bots.steering.choice import KEPT, VX, VY, X, Y
+from soup_bots.steering.choose import KEPT, VX, VY, X, Y
 from soup_bots.steering.geometry import TURNS
 from soup_msgs_py.codes import BotState
 from soup_msgs_py.kernel import inlined, kernel

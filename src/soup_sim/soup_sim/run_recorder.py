@@ -15,7 +15,7 @@ from soup_sim.validate import Judge
 from soup_sim.world import World
 
 
-class RunRecord:
+class RunRecorder:
     """Watches a run from its start.
 
     Attributes:

@@ -1,0 +1,1 @@
+"""What one bucketbot does: trips step by step, drives along a route."""
