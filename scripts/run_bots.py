@@ -10,4 +10,4 @@ from _command_line import POLICIES, start
 from soup_msgs_py.command_line.part_arguments import parse_bots
 
 if __name__ == "__main__":
-    sys.exit(start("soup_bots.bot_node", parse_bots, policies=POLICIES))
+    sys.exit(start("soup_bots.bots_program", parse_bots, policies=POLICIES))

@@ -22,7 +22,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "bots = soup_bots.bot_node:main",
+            "bots = soup_bots.bots_program:main",
         ],
     },
 )

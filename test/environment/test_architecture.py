@@ -3,6 +3,7 @@
 import ast
 from collections.abc import Iterator
 from fnmatch import fnmatch
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -23,15 +24,29 @@ MAY_IMPORT = {
     "soup_lab": set(PACKAGES),
 }
 
+# The rooms of soup_managers from the ground up: each may know those on the floors below.
+MANAGERS = "soup_managers"
+FLOORS = (
+    {"kernels"},
+    {"view", "explain"},
+    {"manager", "policies", "traffic", "planners"},
+    {"stations", "state"},
+    {"decisions"},
+    {"fleets"},
+    {"nodes"},
+)
+
 # The only modules that may know ROS, below src/<package>/: the nodes and what serves them.
 ROS_MODULES = (
     "*_node.py",
     "soup_msgs_py/wire/*.py",
     "soup_live/*.py",
     "soup_bots/bot_host.py",
+    "soup_bots/bots_program.py",
     "soup_lab/bags/*.py",
+    "soup_lab/launch/*.py",
 )
-ROS_PREFIXES = ("rcl", "rosidl", "rmw", "ament", "rosbag2", "tf2")
+ROS_PREFIXES = ("rcl", "soup_live", "rosidl", "rmw", "ament", "rosbag2", "tf2")
 ROS_SUFFIXES = ("_msgs", "_srvs", "_interfaces")
 
 
@@ -58,6 +73,24 @@ def imported(tree: ast.AST) -> Iterator[tuple[str, int]]:
             first = node.args[0]
             if isinstance(first, ast.Constant) and isinstance(first.value, str):
                 yield first.value.split(".")[0], node.lineno
+
+
+def name_of_module(module: Path) -> str:
+    return ".".join(module.with_suffix("").parts).removesuffix(".__init__")
+
+
+NAMES = {name_of_module(module) for module in modules()}
+
+
+def modules_imported(module: Path) -> Iterator[str]:
+    """Yield the modules of ours that one imports, also those inside functions."""
+    for node in ast.walk(read(module)):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] in PACKAGES:
+            for alias in node.names:
+                whole = f"{node.module}.{alias.name}"
+                yield whole if whole in NAMES else node.module
+        elif isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in NAMES)
 
 
 def name_of(function: ast.expr) -> str:
@@ -95,6 +128,29 @@ def test_a_module_imports_only_packages_that_its_own_may_know(module: Path):
     assert not wrong
 
 
+def test_no_module_imports_itself_by_way_of_others():
+    graph = {name_of_module(module): set(modules_imported(module)) for module in modules()}
+    TopologicalSorter(graph).prepare()  # CycleError names the circle
+
+
+def floor(name: str) -> int:
+    """The floor of a module of soup_managers."""
+    room = name.split(".")[1]
+    return next(number for number, rooms in enumerate(FLOORS) if room in rooms)
+
+
+def test_rooms_of_the_managers_know_only_those_below_them():
+    wrong = [
+        f"{own} imports {other}"
+        for module in modules()
+        if module.parts[0] == MANAGERS and (own := name_of_module(module)) != MANAGERS
+        for other in modules_imported(module)
+        if other.startswith(f"{MANAGERS}.")
+        if floor(other) > floor(own) or (floor(other) == floor(own) and other.split(".")[1] != own.split(".")[1])
+    ]
+    assert not wrong
+
+
 @pytest.mark.parametrize("module", modules(), ids=str)
 def test_ros_appears_only_in_the_shells(module: Path):
     if any(fnmatch(str(module), pattern) for pattern in ROS_MODULES):
@@ -110,7 +166,7 @@ def test_the_rule_knows_ros_by_name(name: str):
 
 
 def test_our_own_python_is_not_taken_for_ros():
-    assert not any(is_ros(name) for name in (*PACKAGES, "numpy", "yaml", "rich", "rosbags"))
+    assert not any(is_ros(name) for name in (*(set(PACKAGES) - {"soup_live"}), "numpy", "yaml", "rich", "rosbags"))
 
 
 def every_file() -> list[Path]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 from geometry_msgs.msg import Twist
@@ -13,12 +11,11 @@ from rclpy.action.server import ServerGoalHandle
 from soup_msgs import action, msg, srv
 
 from soup_live.actions import GoalServer
-from soup_live.process import Live, exit_status
+from soup_live.process import Live
 from soup_live.qos import COMMANDS, LATCHED
 from soup_live.services import Answer, serve
 from soup_msgs_py import topics
 from soup_msgs_py.codes import Code
-from soup_msgs_py.command_line.part_arguments import parse_bots
 from soup_msgs_py.messages import (
     BotReply,
     BotStatus,
@@ -33,7 +30,6 @@ from soup_msgs_py.messages import (
     TripResult,
 )
 from soup_msgs_py.mind import Message
-from soup_msgs_py.policies import load_policies
 from soup_msgs_py.wire import (
     drive_goal,
     fill_result,
@@ -185,20 +181,3 @@ class BotNode:
             if other is handle:
                 self._ask(CancelDrive(self.bot, number))
                 return
-
-
-def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> int:
-    """Run some bucketbots in this process; its exit status."""
-    from soup_bots.bot_host import run_bots  # the host knows the node, and this program knows both
-
-    options = parse_bots(argv, policies)
-
-    def run() -> None:
-        choice = load_policies(options.policies, {"bot": options.policy}).bot
-        run_bots(options.bots, choice, options.seed)
-
-    return exit_status(run)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from soup_bots import bot_node
+from soup_bots import bots_program
 from soup_lab.lab_arguments import parse_swap
 from soup_managers.nodes import fleet_manager_node, letter_manager_node, word_manager_node
 
@@ -23,7 +23,7 @@ def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> 
     Where the one before was started by `run_warehouse.py`, it stands by then, and is in charge again afterwards.
     """
     part, further = parse_swap(argv, policies)
-    return MAINS.get(part, bot_node.main)(further, policies=policies)
+    return MAINS.get(part, bots_program.main)(further, policies=policies)
 
 
 if __name__ == "__main__":

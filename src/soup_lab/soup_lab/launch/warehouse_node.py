@@ -206,7 +206,7 @@ def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], folde
     for group in groups:
         numbers = args.written_bots(group)
         arguments = (numbers, *policy_arguments(options, "bot"))
-        parts.append(Part(f"bots {numbers}", "soup_bots.bot_node", arguments))
+        parts.append(Part(f"bots {numbers}", "soup_bots.bots_program", arguments))
     if not options.no_dashboard:
         parts.append(Part("dashboard", "soup_dashboard.dashboard_node", ("--port", str(options.port))))
     return parts
