@@ -13,34 +13,12 @@ from __future__ import annotations
 import numpy as np
 
 from soup_msgs_py.kernel import kernel
+from soup_msgs_py.kinematics import heading_of
 
 MAX_SEGMENTS = 7
 STILL = 1e-12
 _ALIGNED = 1e-9
 _PI = 3.141592653589793
-
-
-@kernel
-def heading_of(dx, dy):
-    """The angle of a direction in radians, within (-pi, pi]; like atan2, but the same bits everywhere."""
-    if dx == 0.0 and dy == 0.0:
-        return 0.0
-    ax, ay = abs(dx), abs(dy)
-    low, high = min(ax, ay), max(ax, ay)
-    z = low / high
-    # three half-angle steps make the argument small enough for a short series
-    for _ in range(3):
-        z = z / (1.0 + np.sqrt(1.0 + z * z))
-    z2 = z * z
-    series = 1.0 / 15.0
-    for k in range(13, 0, -2):
-        series = 1.0 / k - z2 * series
-    angle = 8.0 * z * series
-    if ay > ax:
-        angle = _PI / 2.0 - angle
-    if dx < 0.0:
-        angle = _PI - angle
-    return angle if dy >= 0.0 else -angle
 
 
 @kernel

@@ -7,8 +7,8 @@ import numpy as np
 from soup_managers.traffic.nav_graph import AT_END_M
 from soup_managers.traffic.reservations import SAME_S, add, cut_standing, forget, gap_after
 from soup_managers.traffic.run_footprint import begin_run, extend_run, times_held
-from soup_managers.traffic.speed_profile import turn_time
 from soup_msgs_py.kernel import kernel
+from soup_msgs_py.kinematics import turn_time
 
 _SPARE = 2  # holds that one schedule may add to a waypoint
 

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from soup_managers.traffic.queue_lanes import Line
-from soup_managers.traffic.speed_profile import place_at, run_time
 from soup_msgs_py.kernel import kernel
+from soup_msgs_py.kinematics import place_at, run_time
 from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 
 Indices = NDArray[np.int64]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from soup_managers.traffic.speed_profile import heading_of, place_at, run_time, time_at
+from soup_msgs_py.kinematics import heading_of, place_at, run_time, time_at
 from soup_msgs_py.messages import Point
 
 NOWHERE = -1  # the "waypoint" of a place beside the graph

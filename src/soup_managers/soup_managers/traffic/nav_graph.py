@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from soup_managers.traffic.footprint import Edges, Hold, Motion, find_holds
 from soup_managers.traffic.queue_lanes import Line
-from soup_managers.traffic.speed_profile import heading_of
 from soup_msgs_py.kernel import maker
+from soup_msgs_py.kinematics import heading_of
 from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
 
 Bytes = NDArray[np.uint8]

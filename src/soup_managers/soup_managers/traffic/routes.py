@@ -8,8 +8,8 @@ import numpy as np
 
 from soup_managers.traffic.nav_graph import FORWARD, Mask, Roads
 from soup_managers.traffic.search_buffers import Desk
-from soup_managers.traffic.speed_profile import turn_time
 from soup_managers.traffic.ways import Errand, find_way, follow, follow_back, tree_from, tree_to
+from soup_msgs_py.kinematics import turn_time
 from soup_msgs_py.warehouse.layout import Floats, Ints
 
 KEPT_TREES = 64

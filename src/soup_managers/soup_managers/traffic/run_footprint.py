@@ -9,8 +9,8 @@ import numpy as np
 
 from soup_managers.traffic.nav_graph import AT_END_M
 from soup_managers.traffic.reservations import stands_on
-from soup_managers.traffic.speed_profile import time_at
 from soup_msgs_py.kernel import kernel
+from soup_msgs_py.kinematics import time_at
 
 _LOOK_BACK = 8  # an edge holds what one of the last few edges holds, or something new
 

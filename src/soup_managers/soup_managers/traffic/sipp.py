@@ -18,9 +18,9 @@ from soup_managers.traffic.nav_graph import AT_END_M, Roads
 from soup_managers.traffic.reservations import SAME_S, Reservations, gap_after, in_the_way
 from soup_managers.traffic.run_footprint import begin_run, extend_run, number_of, times_held
 from soup_managers.traffic.search_buffers import LONGEST_RUN, Desk
-from soup_managers.traffic.speed_profile import run_time, turn_time
 from soup_managers.traffic.ways import Errand, stop_time, usable
 from soup_msgs_py.kernel import inlined, kernel, maker
+from soup_msgs_py.kinematics import run_time, turn_time
 from soup_msgs_py.warehouse.layout import Floats, Ints
 
 

@@ -18,7 +18,7 @@ from soup_managers.traffic.reservations import add, conflicts, forget, forget_bo
 from soup_managers.traffic.routes import Routes
 from soup_managers.traffic.search_buffers import make_desk
 from soup_managers.traffic.sipp import Found, Query, find, rest_of_way
-from soup_managers.traffic.speed_profile import heading_of, run_time, turn_time
+from soup_msgs_py.kinematics import heading_of, run_time, turn_time
 from soup_msgs_py.messages import Point
 from soup_msgs_py.scenario import Scenario
 from soup_msgs_py.warehouse.layout import Floats, Layout

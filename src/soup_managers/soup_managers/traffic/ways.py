@@ -8,8 +8,8 @@ import numpy as np
 
 from soup_managers.kernels.heap import drop_first, push
 from soup_managers.traffic.nav_graph import ENTRY, FORWARD, LANE, SPOT, Mask
-from soup_managers.traffic.speed_profile import turn_time
 from soup_msgs_py.kernel import kernel, maker
+from soup_msgs_py.kinematics import turn_time
 
 
 class Errand(NamedTuple):

@@ -9,9 +9,9 @@ from soup_managers.fleets.base import Fleet
 from soup_managers.fleets.planned.policies import Planned
 from soup_managers.planners.precedence import Action, actions_of
 from soup_managers.state.tasks import Key, Task, TaskBook
-from soup_managers.traffic.speed_profile import run_time
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import Code, EventType, Phase
+from soup_msgs_py.kinematics import run_time
 from soup_msgs_py.messages import (
     Bots,
     BotStatus,
