@@ -22,7 +22,7 @@ setup(
     zip_safe=False,
     entry_points={
         "console_scripts": [
-            "world = soup_sim.world_node:main",
+            "world = soup_sim.world_program:main",
         ],
     },
 )

@@ -43,6 +43,9 @@ ROS_MODULES = (
     "soup_live/*.py",
     "soup_bots/bot_host.py",
     "soup_bots/bots_program.py",
+    "soup_sim/world_program.py",
+    "soup_sim/time_services.py",
+    "soup_sim/checkpoint_keeper.py",
     "soup_lab/bags/*.py",
     "soup_lab/launch/*.py",
 )

@@ -3,34 +3,22 @@
 from __future__ import annotations
 
 import math
-import os
-import secrets
-import sys
 import time
 from collections.abc import Sequence
-from contextlib import ExitStack, closing
-from pathlib import Path
 from typing import Any
 
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Path as RosPath
 from rclpy.duration import Duration
-from rich.console import Console
 from rosgraph_msgs.msg import Clock
 from soup_msgs import msg, srv
-from std_srvs.srv import SetBool
 
 from soup_live.diagnostics import WAITS, PartsWatch, Report
-from soup_live.domain import only_world, stay_on_this_machine
-from soup_live.process import Live, exit_status
+from soup_live.process import Live
 from soup_live.qos import COMMANDS, EVERY_ONE, LATCHED, SHOWN
 from soup_live.services import Answer, serve
 from soup_live.vacancies import Vacancies
 from soup_msgs_py import topics
-from soup_msgs_py.codes import Code
-from soup_msgs_py.command_line.output_files import OutputError
-from soup_msgs_py.command_line.part_arguments import parse_world
-from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import BotReply, Event, Heard, Reply, WorldState
 from soup_msgs_py.mind import NEVER, Message
 from soup_msgs_py.policies import Policies, policies_of
@@ -38,7 +26,6 @@ from soup_msgs_py.wire import (
     Announcement,
     assign_bundle_response,
     assign_word_response,
-    fill_result,
     from_bot_request,
     from_path,
     from_ros,
@@ -49,23 +36,13 @@ from soup_msgs_py.wire import (
     to_stamp,
     to_statistics,
 )
-from soup_sim.checkpoint import (
-    SUFFIX,
-    come_to_rest,
-    hold_folder,
-    make_checkpoint,
-    place_for,
-    restore_checkpoint,
-    write_checkpoint,
-)
-from soup_sim.checkpoint_state import Books
+from soup_sim.checkpoint import make_checkpoint
+from soup_sim.checkpoint_keeper import CheckpointKeeper
 from soup_sim.lockstep import Lockstep
 from soup_sim.markers_node import Markers
 from soup_sim.pacing import Pacer
 from soup_sim.run_recorder import RunRecorder
-from soup_sim.scenario_loader import load_warehouse
-from soup_sim.summary import lateness, table
-from soup_sim.warm_up import rehearse
+from soup_sim.time_services import TimeServices
 from soup_sim.world import World
 
 TICK_S = 0.01  # wall time between two looks at the pace
@@ -77,12 +54,7 @@ SNAPSHOT_S = 1.0
 STATIONS_S = 0.2
 STATISTICS_S = 1.0
 STATE_S = 2.0  # wall time between two checkpoints on a topic, where somebody listens
-LONGEST_STEP_S = 3600.0
-RUN_BITS = 62  # of the number of a run; 0 is for worlds that nobody follows over a network
 FAREWELL_S = 2.0  # wall time at most, for everybody to get the last messages
-NEWEST = f"world{SUFFIX}"
-CHECKPOINT_S = 10.0  # wall time between two, where nobody says how much simulated time
-FASTEST = 10.0  # the real-time factor that is expected of a world without a limit
 
 
 class WorldNode:
@@ -90,6 +62,7 @@ class WorldNode:
 
     Attributes:
         over: Whether the run has reached its end.
+        checkpoints: Keeps the state of the world in files.
     """
 
     def __init__(
@@ -108,7 +81,6 @@ class WorldNode:
         self.over = False
         self._live, self._world, self._pacer, self._record = live, world, pacer, record
         self._refused = 0
-        self._steps: list[Answer] = []
         self._rate_from = (0.0, 0.0)
         self._clock = node.create_publisher(Clock, topics.CLOCK, SHOWN)
         self._scenario = node.create_publisher(msg.Scenario, topics.SCENARIO, LATCHED)
@@ -139,9 +111,6 @@ class WorldNode:
         )
         self._scenario.publish(to_ros(announcement))
         self._state_time = -1.0  # of the newest checkpoint on the topic
-        self._checkpoints: Path | None = None
-        self._checkpoint_problem = ""
-        self._every_s = self._checkpoint_due = 0.0
         self._poses_s = world.scenario.bot.radius_m / world.scenario.bot.max_speed_mps
         self._clock_due = self._poses_due = self._judge_due = 0.0
         self._poses_at = world.now  # simulated time (s) of the next poses, where the pace has a limit
@@ -153,16 +122,6 @@ class WorldNode:
         live.every(STATISTICS_S, self._report_waits)
         live.every(STATE_S, self._publish_state)
         live.every(MARKERS_S, lambda: self._markers.publish(world.bots(), world.buckets()))
-
-    def keep_checkpoints(self, file: Path, every_s: float | None) -> None:
-        """Write the state of the world to a file from now on.
-
-        Args:
-            file: Where the newest checkpoint stands.
-            every_s: Simulated time between two (s); without: ten seconds of wall time.
-        """
-        speed = self._pacer.speed if math.isfinite(self._pacer.speed) else FASTEST
-        self._checkpoints, self._every_s = file, every_s or CHECKPOINT_S * speed
 
     def _listen(self, node: Any) -> None:
         live, bots = self._live, self._world.scenario.bots
@@ -176,10 +135,8 @@ class WorldNode:
         serve(live, node, srv.AssignWord, topics.ASSIGN_WORD, self._on_assign_word)
         serve(live, node, srv.AssignBundle, topics.ASSIGN_BUNDLE, self._on_assign_bundle)
         serve(live, node, srv.SetStorageSpot, topics.SET_STORAGE_SPOT, self._on_set_storage_spot)
-        serve(live, node, SetBool, topics.PAUSE, self._on_pause)
-        serve(live, node, srv.Step, topics.STEP, self._on_step)
-        serve(live, node, srv.SetSpeed, topics.SET_SPEED, self._on_set_speed)
-        serve(live, node, srv.Checkpoint, topics.CHECKPOINT, self._on_checkpoint)
+        self._time = TimeServices(live, node, self._world, self._pacer, self._advance, self._publish_poses)
+        self.checkpoints = CheckpointKeeper(live, node, self._world, self._pacer, self._lockstep, self._record)
 
     @property
     def latency_s(self) -> float:
@@ -205,13 +162,8 @@ class WorldNode:
         if wall >= self._judge_due:
             self._judge_due = wall + JUDGE_S
             self._record.poses(world.bots(), world.buckets())
-        if self._checkpoints is not None and world.now >= self._checkpoint_due:
-            self._checkpoint_due = world.now + self._every_s
-            self._keep_checkpoint(self._checkpoints)
-        if self._steps and self._pacer.paused:
-            for answer in self._steps:
-                answer.give(fill_result(srv.Step.Response(), Code.DONE, f"it is {world.now:g} s now"))
-            self._steps.clear()
+        self.checkpoints.look()
+        self._time.answer_steps()
         if world.now >= self._pacer.end:
             self.over = True
             self._record.flush()
@@ -310,61 +262,6 @@ class WorldNode:
         assert reply is not None
         answer.give(storage_spot_response(reply))
 
-    def _on_pause(self, request: SetBool.Request, answer: Answer) -> None:
-        self._advance()
-        self._pacer.pause(request.data)
-        state = "stands" if request.data else "goes on"
-        answer.give(SetBool.Response(success=True, message=f"time {state} at {self._world.now:g} s"))
-
-    def _on_step(self, request: srv.Step.Request, answer: Answer) -> None:
-        if not self._pacer.paused:
-            why = "the world is not paused; call /world/pause first"
-            answer.give(fill_result(srv.Step.Response(), Code.MOVING, why))
-        elif not 0.0 < request.seconds <= LONGEST_STEP_S:
-            why = f"found {request.seconds:g} s; allowed: above 0, at most {LONGEST_STEP_S:g}"
-            answer.give(fill_result(srv.Step.Response(), Code.INVALID, why))
-        else:
-            self._pacer.step(self._world.now, request.seconds)
-            self._steps.append(answer)
-
-    def _on_set_speed(self, request: srv.SetSpeed.Request, answer: Answer) -> None:
-        self._advance()
-        factor = request.real_time_factor
-        if not factor > 0.0:
-            why = f"found a real-time factor of {factor:g}; allowed: a number above 0, inf for no limit"
-            answer.give(fill_result(srv.SetSpeed.Response(), Code.INVALID, why))
-            return
-        self._pacer.speed = factor
-        self._publish_poses()
-        answer.give(fill_result(srv.SetSpeed.Response(), Code.DONE, f"the real-time factor is {factor:g}"))
-
-    def _on_checkpoint(self, request: srv.Checkpoint.Request, answer: Answer) -> None:
-        try:
-            path = place_for(self._checkpoints.parent if self._checkpoints is not None else None, request.path)
-            self._write_checkpoint(path)
-            code, message = Code.DONE, f"written to {path}"
-        except (InputError, OutputError) as error:
-            code, message = Code.INVALID, str(error)
-        answer.give(fill_result(srv.Checkpoint.Response(), code, message))
-
-    def _keep_checkpoint(self, path: Path) -> None:
-        """Write the newest checkpoint; one that cannot be written is tried again when the next one is due."""
-        before = self._checkpoint_problem
-        try:
-            self._write_checkpoint(path)
-            self._checkpoint_problem = ""
-        except OutputError as error:
-            self._checkpoint_problem = str(error)
-        if self._checkpoint_problem and not before:
-            self._live.tell(f"{self._checkpoint_problem}; tried again every {self._every_s:g} s, the run goes on")
-        elif before and not self._checkpoint_problem:
-            self._live.tell(f"{path}: written again")
-
-    def _write_checkpoint(self, path: Path) -> None:
-        books = self._record.capture()
-        more = {"wall_seconds": self._pacer.wall_seconds, "parts": tuple(self._lockstep.names)}
-        write_checkpoint(path, self._world, books.model_copy(update=more))
-
     def _publish_poses(self) -> None:
         """Tell where everything is, often enough in simulated time to see the turns of a path, and again after that.
 
@@ -418,57 +315,3 @@ class WorldNode:
         figures["violations"] = self._record.violations
         figures["latency_s"] = self._lockstep.latency_s
         self._statistics.publish(to_statistics(world.now, figures))
-
-
-def main(argv: Sequence[str] | None = None, *, scenario: Path | None = None) -> int:
-    """Run the world in this process; its exit status."""
-    options = parse_world(argv, scenario)
-    return exit_status(lambda: run_world(options))
-
-
-def run_world(options: Any) -> int:
-    """Run a world as the command line says; the exit status.
-
-    Raises:
-        InputError: Scenario, words or layout are wrong, or there is another world.
-    """
-    warehouse = load_warehouse(options.scenario, options.set)
-    rehearse(warehouse.world(options.seed))
-    stay_on_this_machine()
-    with Live("world") as live:
-        node = live.node(topics.WORLD_NODE)
-        with only_world(live, node, look=not options.restore), ExitStack() as files:
-            if live.stopping:
-                return 0
-            console = Console()
-            console.print(warehouse.words.describe(), style="dim", highlight=False)
-            world = warehouse.world(options.seed, options.warmup, run=secrets.randbits(RUN_BITS))
-            pacer = Pacer(options.speed, options.duration or float("inf"), paused=options.paused)
-            books = Books()
-            file = options.checkpoint / NEWEST if options.checkpoint is not None else None
-            if file is not None:
-                files.callback(os.close, hold_folder(file.parent))
-            if options.restore and file is not None and file.exists():
-                books = restore_checkpoint(file, world)
-                pacer.wall_seconds = books.wall_seconds
-            record = RunRecorder(world, options.seed, options.summary, options.event_log, books, live.tell)
-            files.enter_context(closing(record))
-            if world.now > 0.0:
-                for said in come_to_rest(world):
-                    if isinstance(said, Event):
-                        record.event(said)
-            shell = WorldNode(live, node, world, pacer, record, books.parts)
-            if file is not None:
-                shell.keep_checkpoints(file, options.every)
-            live.spin()
-            summary = record.finish(pacer.wall_seconds, shell.policies(), shell.latency_s)
-    console.print(table(summary))
-    if late := lateness(summary):
-        console.print(late, style="yellow", highlight=False)
-    for line in record.why():
-        console.print(line, style="red", highlight=False)
-    return 0 if record.is_written else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -12,7 +12,7 @@ import soup_bots.bot_host
 import soup_managers.nodes.fleet_manager_node
 import soup_managers.nodes.letter_manager_node
 import soup_managers.nodes.word_manager_node
-import soup_sim.world_node
+import soup_sim.world_program
 
 __all__ = ["soup_bots", "soup_managers", "soup_sim"]
 

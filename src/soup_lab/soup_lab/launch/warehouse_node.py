@@ -198,7 +198,7 @@ def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], folde
     if options.record is not None:  # the first one, so that it hears all
         arguments = (str(options.record),)
         parts.append(Part(RECORDER, "soup_lab.bags.record_node", arguments, again=("--go-on",), needed=False))
-    parts.append(Part(WORLD, "soup_sim.world_node", tuple(world), again=("--restore",)))
+    parts.append(Part(WORLD, "soup_sim.world_program", tuple(world), again=("--restore",)))
     explain = ("--explain", str(options.explain)) if options.explain is not None else ()
     for role in MANAGERS:
         module = f"soup_managers.{role}_manager_node"
