@@ -118,6 +118,9 @@ def run_environment() -> dict[str, str]:
             environment[name] = os.pathsep.join([*first, *kept])
     environment["RMW_IMPLEMENTATION"] = RMW
     environment["NUMBA_CACHE_DIR"] = str(kernels_folder())
+    # without it each process would translate all of its libraries anew, which takes most of its start
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    environment["PYTHONPYCACHEPREFIX"] = str(VENV / "bytecode")
     environment[BOOTSTRAP_GUARD] = "1"
     return environment
 

@@ -19,21 +19,25 @@ QUICK = {
     "ruff format": ["-m", "ruff", "format", "--check", "--quiet"],
 }
 TYPES = {"types": ["-m", "basedpyright", "--warnings"]}
-# Two at a time; live nodes are tested alone afterwards, since they need the processors to keep their promises.
+COMMANDS = "test/live/test_readme.py"
+SWEEPS = "test/soup_lab/test_compare_sweep.py"
+LAB = ("test/environment", "test/soup_lab")
+# Two at a time, so that both processors have work to the end. Live nodes wait for messages, and tests for facts: what
+# else the machine does makes them slower, and nothing else.
 TOGETHER = {
-    "lab": [*PYTEST, "-m", "not live", "test/environment", "test/soup_lab"],
-    "others": [
-        *PYTEST, "-m", "not live", "--ignore=test/environment", "--ignore=test/soup_lab", "--ignore=test/live",
-    ],
+    "live": [*PYTEST, "-m", "live", f"--ignore={COMMANDS}"],
+    "others": [*PYTEST, "-m", "not live", *(f"--ignore={folder}" for folder in LAB)],
+    "lab": [*PYTEST, "-m", "not live", *LAB, f"--ignore={SWEEPS}"],
+    "commands": [*PYTEST, "-m", "live", COMMANDS],
+    "sweeps": [*PYTEST, SWEEPS],
     **TYPES,
-}  # fmt: skip
-ALONE = {"live": [*PYTEST, "-m", "live"]}
+}
 
 
 def main() -> int:
     """Run the checks; each is run whatever the others said."""
     parser = argparse.ArgumentParser(
-        description="Run every check: ruff, the formatter, the type checker, then all tests (some 15 minutes on two "
+        description="Run every check: ruff, the formatter, the type checker, then all tests (some 20 minutes on two "
         "cores). Exit status 0 only when all pass.",
         epilog="With arguments, these go to pytest, and only the tests that they name are run after the other checks; "
         "for instance: run_tests.py test/soup_sim -k layouts",
@@ -47,7 +51,6 @@ def main() -> int:
     else:
         with ThreadPoolExecutor(2) as pool:
             passed += pool.map(lambda entry: check(*entry, prefix=f"{entry[0]}: "), TOGETHER.items())
-        passed += [check(name, arguments) for name, arguments in ALONE.items()]
     if not all(passed):
         print("Not all checks passed.", file=sys.stderr)
     return 0 if all(passed) else 1

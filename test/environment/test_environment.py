@@ -99,6 +99,13 @@ def test_a_later_start_has_nothing_to_do_and_is_silent():
     assert reply.stderr == ""
 
 
+def test_libraries_are_translated_once_and_not_at_each_start(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    environment = _environment.run_environment()
+    assert "PYTHONDONTWRITEBYTECODE" not in environment
+    assert Path(environment["PYTHONPYCACHEPREFIX"]).is_relative_to(_environment.VENV)
+
+
 def test_inside_the_ready_environment_nothing_is_restarted(monkeypatch: pytest.MonkeyPatch):
     environment = _environment.run_environment()
     monkeypatch.setattr(os, "environ", environment)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
+import signal
 import socket
 import subprocess
 from collections.abc import Iterator
@@ -42,7 +43,7 @@ KINDS = {"", "terminals", "long"}
 ELSEWHERE = "hosts.md"  # needs several machines: test_hosts.py makes them
 TOLD = {"plan_world": "proven shortest", "replay_bag": "messages up to", "benchmark": "times faster"}  # by program
 SHORTENED = {  # what a program gets besides; of what is given twice, the second counts
-    "run_headless": ("--warmup", "0", "--duration", "20"),
+    "run_headless": ("--warmup", "0", "--duration", "20", "--replications", "1"),
     "run_warehouse": ("--warmup", "0", "--duration", "20"),
     "compare_policies": ("--replications", "1"),
     "benchmark": ("--time-limit", "1"),
@@ -130,7 +131,8 @@ def test_the_parts_in_their_own_terminals_move_letters(reader: Parts) -> None:
     wait_for_event("transferred")
     for process in processes:
         err = reader.interrupt(process)
-        assert process.returncode == 0, err
+        # a part that stands by begins anew, and whatever is just being loaded ends at once
+        assert process.returncode == 0 or ("stands by" in err and process.returncode == -signal.SIGINT), err
 
 
 def program(line: str) -> str:

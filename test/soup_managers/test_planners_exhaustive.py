@@ -14,7 +14,7 @@ from soup_managers.planners.plan import DEFAULT, FLEET, PAPER, Rules, Task
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.warehouse.cell_world import World, parse_world
 
-WORLDS = 200
+WORLDS = 80
 LARGEST = 8  # rows and columns
 ROBOTS, BOXES = 3, 4
 MOST_STATES = 10_000_000
