@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 
 from soup_lab.headless import program as headless_cli
 from soup_lab.headless.simulation import make_minds
+from soup_msgs_py.blame import MOVED
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.policies import Policies, load_policies
 from soup_msgs_py.reading.yaml_input import validate
@@ -89,6 +91,15 @@ def decision(**options: Any) -> dict[str, Any]:
 )
 def test_a_wrong_option_is_told_in_one_line(role: str, name: str, options: dict[str, Any], said: str):
     assert said in line_of(role, name, **options)
+
+
+@pytest.mark.parametrize("old", MOVED)
+def test_a_module_that_has_moved_is_told_with_its_new_name(tmp_path: Path, old: str):
+    file = tmp_path / "own.py"
+    file.write_text(f"import {old}\n")
+    assert f"it is {MOVED[old]} now" in line_of("word", f"{file}:Own")
+    for new in MOVED[old].split(" and "):
+        importlib.import_module(new)
 
 
 def test_a_name_that_is_empty_is_told_wherever_it_is_given():

@@ -12,11 +12,25 @@ from soup_msgs_py.errors import InputError, RunError, printable
 
 _OURS = Path(__file__).resolve().parents[2]
 _LIBRARIES = tuple({Path(path).resolve() for path in sysconfig.get_paths().values()})
+# What a policy may import, by the name that it had before, and where it is now.
+MOVED = {
+    "soup_managers.bitset": "soup_managers.kernels.bitset",
+    "soup_managers.coordination": "soup_managers.fleets.coordinated and soup_managers.state",
+    "soup_managers.fleets.coordinated.situation": "soup_managers.state.planning_state",
+    "soup_managers.plans": "soup_managers.fleets.minimal.plans",
+    "soup_managers.policies.coordinated": "soup_managers.fleets.coordinated.policies",
+    "soup_managers.policies.fleet": "soup_managers.fleets.minimal.policies",
+    "soup_managers.policies.planned": "soup_managers.fleets.planned.policies",
+    "soup_managers.router": "soup_managers.traffic.router",
+    **{f"soup_msgs_py.{name}": f"soup_msgs_py.warehouse.{name}" for name in ("layout", "tiles", "words", "cell_world")},
+}
 
 
 def told(error: BaseException) -> str:
     """An exception in one line: what it says, and the last line of a person's code that it came through."""
     said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    if isinstance(error, ImportError) and error.name in MOVED:
+        said = f"{said}; it is {MOVED[error.name]} now"
     place = where(error)
     return printable(f"{said} ({place})" if place else said, 1_000)
 
