@@ -201,7 +201,7 @@ def make_parts(options: argparse.Namespace, groups: list[tuple[int, ...]], folde
     parts.append(Part(WORLD, "soup_sim.world_program", tuple(world), again=("--restore",)))
     explain = ("--explain", str(options.explain)) if options.explain is not None else ()
     for role in MANAGERS:
-        module = f"soup_managers.{role}_manager_node"
+        module = f"soup_managers.nodes.{role}_manager_node"
         parts.append(Part(f"{role} manager", module, (*policy_arguments(options, role), *explain)))
     for group in groups:
         numbers = args.written_bots(group)
