@@ -6,10 +6,10 @@
 | `straight` | `Straight`: never evades |
 | `evade` | `Evade`: the minimal evading of the paper; the other modules are its compiled kernels |
 | `rows` | the loop over bots: look around, choose where to go, give way |
-| `looking` | what is around one bot, and what it is about to do |
-| `choice` | is a way clear, and if not, which of some sampled velocities is best (velocity obstacles) |
-| `waiting` | who is on the end of a route, and where to wait for it |
-| `geometry`, `cells`, `arrays` | when discs touch; discs sorted into cells; the tuples of arrays that kernels share |
+| `look` | what is around one bot, and what it is about to do |
+| `choose` | is a way clear, and if not, which of some sampled velocities is best (velocity obstacles) |
+| `yield_way` | who is on the end of a route, and where to wait for it |
+| `geometry`, `cells`, `scene` | when discs touch; discs sorted into cells; the tuples of arrays that kernels share |
 """
 
 from soup_bots.steering.base import FOLLOW, VELOCITY, Limits, Me, Neighbour, Steer, Steering, SteerView

@@ -33,7 +33,7 @@ class Desk(NamedTuple):
         bucket_member: As above.
         bucket_place: As above.
         rests: Which buckets rest.
-        near: What is around a bot, bots first, one row a disc, see `choice`.
+        near: What is around a bot, bots first, one row a disc, see `choose`.
         who: The bot or bucket of each row.
         horizon: How far ahead it is minded (s).
     """

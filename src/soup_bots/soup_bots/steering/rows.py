@@ -1,8 +1,8 @@
 """The compiled loop of `Evade` over all bots that are steered: look around, choose where to go, give way.
 
-Each bot looks at what is near (`looking`). It chooses where to drive now: to the next corner of its route; to a place
+Each bot looks at what is near (`look`). It chooses where to drive now: to the next corner of its route; to a place
 beside the end of the route while another bot is there; or aside, for a moment, where it gets nowhere. Where that way is
-clear it follows its path, and otherwise it gives way with the best velocity (`choice`).
+clear it follows its path, and otherwise it gives way with the best velocity (`choose`).
 """
 
 from __future__ import annotations

@@ -8,15 +8,15 @@ name for it:
 | `traffic` | `Traffic`, what fleets use: who stands where, drives, estimates | prioritized planning |
 | `legs` | a drive from rest to rest, and where a bot on it is | path |
 | `reservations` | who holds which waypoint when | reservation table |
-| `search` | the earliest arrival through what is left free | safe-interval path planning (SIPP) |
+| `sipp` | the earliest arrival through what is left free | safe-interval path planning (SIPP) |
 | `booking` | from a drive that has been found to the table | |
-| `holds`, `nearby` | which waypoints a bot holds on and beside the graph | footprint |
-| `footprint` | what it holds on a run along several edges, and when | footprint in time |
-| `roads` | the waypoint graph as arrays | nav graph, roadmap |
-| `lines` | which waypoints are the line of each station | dock queue |
+| `footprint`, `nearby` | which waypoints a bot holds on and beside the graph | footprint |
+| `run_footprint` | what it holds on a run along several edges, and when | footprint in time |
+| `nav_graph` | the waypoint graph as arrays | nav graph, roadmap |
+| `queue_lanes` | which waypoints are the line of each station | dock queue |
+| `router` | ways of whole trips, for fleets without reservations | Dijkstra trees |
 | `ways`, `routes` | quickest ways without regard to traffic, the h of the search | Dijkstra trees, A* |
-| `runs` | when a bot that moves from rest to rest is where | speed profile |
-| `desk` | arrays that the kernels write to | scratch |
+| `search_buffers` | arrays that the kernels write to | scratch |
 """
 
 from soup_managers.traffic.legs import Leg

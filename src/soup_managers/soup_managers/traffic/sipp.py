@@ -3,8 +3,8 @@
 Between the holds of other bots in the reservation table each waypoint has gaps: its safe intervals. A label is a bot
 that stands on a waypoint within one of them. From it, straight runs lead to all waypoints ahead; each departs as early
 as everything that it holds on its way is free (Phillips and Likhachev 2011, in continuous time and with the physics of
-`runs`). Labels are looked at in the order of f = g + h: when a bot is there, what wrong ways cost, and at least so
-long it takes from there.
+`kinematics`). Labels are looked at in the order of f = g + h: when a bot is there, what wrong ways cost, and at least
+so long it takes from there.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ class _Stand:
 class Traffic:
     """Collision-free and deadlock-free drives, one after the other, on the waypoint graph.
 
-    Each bot holds the waypoints near it, as `holds` says; a new leg takes what the legs planned before have left.
+    Each bot holds the waypoints near it, as `footprint` says; a new leg takes what the legs planned before have left.
     Bots stand only where nobody else has to pass, on storage spots and in the lines of stations, so every hold on a
     lane ends, and whoever waits long enough can go.
 

@@ -1,1 +1,1 @@
-"""Coordination leg by leg: bots, buckets and stations are matched at the latest moment, traffic runs on a timetable."""
+"""Coordination leg by leg: bots, buckets and stations are matched at the latest moment, on a reservation table."""

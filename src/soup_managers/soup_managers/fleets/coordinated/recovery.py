@@ -48,7 +48,7 @@ class Recovery:
             layout: The waypoints.
             view: Where bots are seen.
             situation: The bots, buckets and stations.
-            traffic: The timetable.
+            traffic: The reservation table.
             places: Which waypoints are taken.
             queues: The lines of stations.
             liveness: Knows whom nobody can rely on.
