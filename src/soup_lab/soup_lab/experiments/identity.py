@@ -16,7 +16,8 @@ from typing import Any
 from soup_lab.headless.runs import RunPlan
 
 CODE = ("soup_msgs_py", "soup_sim", "soup_bots", "soup_managers", "soup_lab")  # packages that a run is made of
-NO_PART = ("*_node.py", "wire/*")  # modules of theirs that no headless run comes by
+# Modules of theirs that no headless run comes by: nodes, their programs, and what nodes are made of.
+NO_PART = ("*_node.py", "*_program.py", "wire/*", "nodes/*", "time_services.py", "checkpoint_keeper.py")
 OF_LAB = ("headless/simulation.py", "headless/runs.py")  # all that a run needs of soup_lab
 LIBRARIES = ("numpy", "scipy", "numba")  # that figures can depend on
 

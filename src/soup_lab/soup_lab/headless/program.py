@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from contextlib import ExitStack, closing
 
 from rich.console import Console
@@ -39,8 +40,15 @@ def main(argv: list[str] | None = None) -> int:
         return 2
     console.print(f"words: {warehouse.words.describe()}", highlight=False)
     plan = RunPlan(warehouse, policies, options.duration, options.warmup)
+    if options.replications > 1:
+        return _to_the_end(options, lambda: _several(plan, options, console), _means)
+    return _to_the_end(options, lambda: _one(plan, options, console), table)
+
+
+def _to_the_end(options: argparse.Namespace, run: Callable[[], Summary], show: Callable[[Summary], Table]) -> int:
+    """Run, write the summary, then show the table: a screen may fail; the exit status, whatever ends the run."""
     try:
-        summary = _one(plan, options, console) if options.replications == 1 else _several(plan, options, console)
+        summary = run()
     except InputError as error:  # also of a world of cells that has no plan
         print(error, file=sys.stderr)
         return 2
@@ -50,11 +58,7 @@ def main(argv: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("stopped before the end; no summary", file=sys.stderr)
         return 130
-    return _end(options, summary, _means(summary) if options.replications > 1 else table(summary))
-
-
-def _end(options: argparse.Namespace, summary: Summary, shown: Table) -> int:
-    """Write the summary, then show the table: a screen may fail; the exit status."""
+    shown = show(summary)
     written = write_summary(options.summary, summary)
     for line, count in summary.get(MISTAKES, {}).items():
         print(f"{line}: {count} times", file=sys.stderr)
@@ -84,18 +88,12 @@ def _what_if(options: argparse.Namespace, console: Console) -> int:
     console.print(f"goes on from {begin:g} s, the newest checkpoint; all bots first come to rest", highlight=False)
     options.duration, options.seed = end, options.seed or moment.announcement.seed
     plan = RunPlan(moment.warehouse, policies, end)
-    try:
-        summary = _one(plan, options, console, world)
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
-    except RunError as error:
-        print(error, file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("stopped before the end; no summary", file=sys.stderr)
-        return 130
-    return _end(options, summary, beside(moment.original(), summary, max(begin, moment.announcement.warmup_s)))
+    counted_from = max(begin, moment.announcement.warmup_s)
+    return _to_the_end(
+        options,
+        lambda: _one(plan, options, console, world),
+        lambda summary: beside(moment.original(), summary, counted_from),
+    )
 
 
 def _one(plan: RunPlan, options: argparse.Namespace, console: Console, world: World | None = None) -> Summary:
