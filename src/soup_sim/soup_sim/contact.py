@@ -1,4 +1,4 @@
-"""When two discs touch: continuous collision detection that cannot tunnel.
+"""The collision test: when two discs touch, by continuous collision detection that cannot tunnel.
 
 Between two events every bot moves with constant acceleration, so the squared distance of two bots is a polynomial of
 degree four in time; its first root is the instant of contact. Pairs are found through a grid of cells.

@@ -1,4 +1,4 @@
-"""Bots in motion: target velocities, paths, collisions and their penalty."""
+"""Bot physics of the world: target velocities, paths, collisions and their penalty."""
 
 from __future__ import annotations
 

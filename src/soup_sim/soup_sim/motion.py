@@ -1,4 +1,4 @@
-"""How a bucketbot moves: exact constant-acceleration motion between events (paper, "Bucketbot Movement").
+"""Bot physics: exact constant-acceleration motion between events (paper, "Bucketbot Movement").
 
 A motion is a short list of segments, each with a duration (s), an acceleration (m/s2) and a turn rate (rad/s), and it
 always ends at rest: a target velocity that nobody changes ends with a stop in front of the edge of the floor. Only

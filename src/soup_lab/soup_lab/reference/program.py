@@ -11,6 +11,7 @@ from soup_lab.reference.policies import policies_page
 from soup_lab.reference.scenario import scenario_page
 from soup_managers.explain import ALTERNATIVES, DECISIONS
 from soup_msgs_py.figures import FIGURES, LIVE_FIGURES, PLAN_FIGURES, SHARE, Figure
+from soup_msgs_py.routing import HEARERS
 
 NOTE = "<!-- Written by scripts/make_reference.py from the code; change it there. -->\n\n"
 COMMAND = "python3 scripts/make_reference.py"
@@ -70,6 +71,25 @@ def explain_page() -> str:
     return "\n".join(lines) + "\n"
 
 
+def messages_page() -> str:
+    """Which message goes to whom, and what it carries."""
+    lines = [
+        "# Messages",
+        "",
+        "What the parts of a warehouse say to each other, in one process as over ROS, by the routing table",
+        "(`soup_msgs_py/routing.py`). Which topic, service or action carries it live, and who says it, is in",
+        "[architecture](../architecture.md).",
+        "",
+        "| message | who hears it | what it says | fields |",
+        "|---|---|---|---|",
+    ]
+    for message, hearer in HEARERS.items():
+        about = (message.__doc__ or "").strip().splitlines()[0]
+        names = ", ".join(f"`{name}`" for name in message.__annotations__)
+        lines.append(f"| `{message.__name__}` | {hearer.value} | {about} | {names} |")
+    return "\n".join(lines) + "\n"
+
+
 def _figures_table(figures: dict[str, Figure]) -> list[str]:
     rows = [
         f"| `{key}` | {figure.words} | {'share' if figure.unit == SHARE else figure.unit} | {figure.meaning} |"
@@ -83,6 +103,7 @@ PAGES = {
     "figures.md": figures_page,
     "policies.md": policies_page,
     "explain.md": explain_page,
+    "messages.md": messages_page,
 }
 
 

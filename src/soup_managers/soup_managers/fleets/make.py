@@ -1,4 +1,7 @@
-"""The fleet policies that come with the warehouse, by the names in a policies file, and the fleet that each needs."""
+"""The fleet policies that come with the warehouse, by the names in a policies file, and the fleet that each needs.
+
+The default of every program is `coordinated`, by `config/policies/best.yaml`.
+"""
 
 from __future__ import annotations
 

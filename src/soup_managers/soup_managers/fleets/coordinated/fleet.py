@@ -1,4 +1,4 @@
-"""The coordinated fleet, which works leg by leg on the reservation table of the traffic.
+"""The coordinated fleet, the default (`best.yaml`): it works leg by leg on the reservation table of the traffic.
 
 Nothing is promised before it has to be: a bot is bound to a bucket and a station, but which letters are moved is
 settled when the bucket is docked, and where the bucket goes next when it is done there. Each leg is one drive on

@@ -1,4 +1,4 @@
-"""The failure detector: which bots do what they were asked for; who is silent, forgot it, or went wrong."""
+"""The failure detector: which bots do what they were asked for; who died or is silent, forgot it, or went wrong."""
 
 from __future__ import annotations
 

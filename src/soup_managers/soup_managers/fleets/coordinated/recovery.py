@@ -1,4 +1,7 @@
-"""Fleet recovery: where bots stand and where they will, whatever goes wrong, so that all others keep clear of that."""
+"""Fleet recovery: what happens when a bot dies, forgets its order or collides.
+
+Where it stands and where it may still go is kept clear of all others, its task goes to another bot or waits for it.
+"""
 
 from __future__ import annotations
 
