@@ -3,7 +3,7 @@
 python3 scripts/run_headless.py --policies examples/decisions.yaml
 
 Each has one method that scores what there is to choose from, all at once, with numpy. What it may look at is in
-`soup_managers.state.planning_state.Situation`.
+`soup_managers.state.planning_state.PlanningState`.
 """
 
 from __future__ import annotations

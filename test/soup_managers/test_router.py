@@ -10,7 +10,6 @@ from managers_world import PITCH, layout_of
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from soup_managers.kernels.grid import PointGrid
 from soup_managers.traffic.router import STATION_DETOUR_M, Router
 from soup_msgs_py.warehouse.layout import Layout
 
@@ -172,14 +171,3 @@ def test_a_loaded_bot_off_the_waypoints_joins_them_where_no_bucket_may_rest():
     assert way is not None
     assert way[0] == tuple(layout.waypoints[entry])
     assert way[1:] == router.route(entry, goal)
-
-
-@given(st.lists(st.tuples(st.integers(-50, 50), st.integers(-50, 50)), min_size=1, max_size=40), seeds)
-def test_what_is_near_a_place_is_found_nearest_first(points, seed):
-    places = np.array(points, float)
-    grid = PointGrid(places, 7.0)
-    for x, y in np.random.default_rng(seed).uniform(-80, 80, (10, 2)):
-        distances = ((places - (x, y)) ** 2).sum(axis=1)
-        near = grid.within(x, y, 20.0)
-        assert sorted(near) == np.flatnonzero(distances < 400).tolist()
-        assert distances[near].tolist() == sorted(distances[near])

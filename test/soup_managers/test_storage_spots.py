@@ -16,7 +16,7 @@ def fleet() -> FleetState:
     """Before the first snapshot: a view that knows the storage spots, and nothing on them."""
     scenario, layout = scenario_of(), layout_of(3, 5, 2, 2)
     view = WarehouseView(scenario, layout)
-    view.storage_spots = set(layout.storage_spots.tolist())
+    view.is_storage_spot[layout.storage_spots] = True
     view.ready, view.sequence = True, 0
     return FleetState(scenario, layout, view, Router(layout), np.random.default_rng(0))
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from managers_world import TinyWorld, layout_of, scenario_of
 
 from soup_managers.kernels.bitset import first, members
@@ -100,21 +102,21 @@ def test_a_bundle_that_arrived_waits_until_it_is_staged(view):
 
 def test_a_bucket_leaves_its_spot_with_a_bot_and_rests_where_it_is_released(view, world):
     home = view.spot_of[4]
-    other = next(spot for spot in world.spots if spot not in view.bucket_on)
+    other = next(spot for spot in world.spots if view.bucket_at[spot] < 0)
     x, y = world.layout.waypoints[other]
     view.apply(Event(0.0, 11, EventType.GRABBED, bot=2, bucket=4, x=3.0, y=3.0))
-    assert home not in view.bucket_on
+    assert view.bucket_at[home] == -1
     assert not view.resting >> 4 & 1
     assert view.bot_bucket[2] == 4
     view.apply(Event(0.0, 12, EventType.RELEASED, bot=2, bucket=4, x=x + 0.05, y=y))
-    assert view.bucket_on[other] == 4
+    assert view.bucket_at[other] == 4
     assert view.spot_of[4] == other
     assert view.bot_x[2] == x + 0.05
 
 
 def test_a_waypoint_becomes_a_storage_spot_and_a_storage_spot_a_waypoint(view, world):
     lane = next(w for w in range(len(world.layout.waypoints)) if w not in world.spots)
-    gone = next(spot for spot in world.spots if spot not in view.bucket_on)
+    gone = next(spot for spot in world.spots if view.bucket_at[spot] < 0)
     assert view.storage_spots == set(world.spots)
     x, y = map(float, world.layout.waypoints[lane])
     assert view.spot_at(x, y) == -1
@@ -125,6 +127,19 @@ def test_a_waypoint_becomes_a_storage_spot_and_a_storage_spot_a_waypoint(view, w
     view.apply(Event(0.0, 12, EventType.SPOT_REMOVED, waypoint=gone, x=x, y=y))
     assert view.spot_at(x, y) == -1
     assert view.storage_spots == {*world.spots, lane} - {gone}
+
+
+@given(st.lists(st.tuples(st.integers(0, 99), st.integers(0, 99)), min_size=1, max_size=40), st.integers(0, 2**32 - 1))
+def test_the_storage_spots_near_a_place_are_found_nearest_first(points, seed):
+    rng = np.random.default_rng(seed)
+    layout = replace(layout_of(3, 5, 2, 2), waypoints=np.array(points, float))
+    view = WarehouseView(scenario_of(), layout)
+    view.is_storage_spot[:] = rng.random(len(points)) < 0.7
+    for x, y in rng.uniform(-30, 130, (10, 2)):
+        distances = ((layout.waypoints - (x, y)) ** 2).sum(axis=1)
+        near = view.spots_within(x, y, 20.0)
+        assert sorted(near) == np.flatnonzero((distances < 400) & view.is_storage_spot).tolist()
+        assert distances[near].tolist() == sorted(distances[near])
 
 
 def test_a_newcomer_learns_the_storage_spots_of_the_moment(world):

@@ -208,7 +208,7 @@ def test_a_trip_to_a_spot_that_a_person_has_taken_away_ends_on_another_one(wareh
         for bucket in range(world.scenario.buckets):
             if world.buckets().bot[bucket] >= 0 and taken < 3:
                 for waypoint in set(world.snapshot().storage_spots):
-                    if run.fleet.view.spot_of[bucket] == waypoint and waypoint not in run.fleet.view.bucket_on:
+                    if run.fleet.view.spot_of[bucket] == waypoint and not run.fleet.view.occupied[waypoint]:
                         run.tell(world, m.SetStorageSpot(waypoint, False))
                         taken += 1
     run.run(now + 300.0)

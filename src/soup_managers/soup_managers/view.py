@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
-from soup_managers.kernels.grid import PointGrid
+from soup_managers.kernels.bitset import bits
+from soup_managers.state.contents import Contents
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Bots, Bundle, Event, Snapshot, Word
 from soup_msgs_py.scenario import Scenario
@@ -55,18 +59,16 @@ class WarehouseView:
         lost: Whether events are missing, so that a new snapshot is needed.
         bucket_x: Positions of the buckets in metres, shape (buckets,); `bucket_y` likewise. A carried bucket
             is where its bot was last known to be.
-        bucket_bot: The bot that carries each bucket, -1 for none.
-        storage_spots: The waypoints that are storage spots now. A manager may ask the world to change that.
-        spot_of: The storage spot (waypoint) where each bucket rests or last rested, -1 where unknown. The one where
-            it last rested may be none any more.
-        bucket_on: The bucket that rests on each occupied storage spot, by waypoint.
-        contents: Tiles in each bucket, as tile kind to count.
-        tiles_in: How many tiles are in each bucket.
-        resting: The buckets that no bot carries, as a bit set.
-        with_room: The buckets that are not full, as a bit set.
+        bucket_bot: The bot that carries each bucket, -1 for none, shape (buckets,).
+        is_storage_spot: Whether each waypoint is a storage spot now, shape (waypoints,). A manager may ask the world
+            to change that.
+        spot_of: The storage spot (waypoint) where each bucket rests or last rested, -1 where unknown, shape
+            (buckets,). The one where it last rested may be none any more.
+        bucket_at: The bucket that rests on each waypoint, -1 for none, shape (waypoints,).
+        contents: Tiles in each bucket: `contents[bucket]` is tile kind to count.
         bot_x: Last known positions of the bots in metres, shape (bots,); `bot_y` likewise.
         seen_at: When all of them were last seen (s).
-        bot_bucket: The bucket that each bot carries, -1 for none.
+        bot_bucket: The bucket that each bot carries, -1 for none, shape (bots,).
         waiting_words: Words on order, the oldest first, by number.
         open_words: Words on word stations, by number.
         waiting_bundles: Bundles that have arrived and are on no station, the oldest first, by number.
@@ -90,23 +92,20 @@ class WarehouseView:
         self.resets = 0
         self.bound: dict[int, list[int]] = {}
         self.kinds = LETTERS * len(scenario.colours.shares)
-        self._waypoint_grid = PointGrid(layout.waypoints, 4 * scenario.bucket.radius_m)
-        self._clear(0, 0)
+        self._waypoints = KDTree(layout.waypoints)
+        self._clear((), 0)
 
-    def _clear(self, buckets: int, bots: int) -> None:
+    def _clear(self, contents: Sequence[Mapping[int, int]], bots: int) -> None:
+        buckets, waypoints = len(contents), len(self.layout.waypoints)
         self.bucket_x, self.bucket_y = np.zeros(buckets), np.zeros(buckets)
-        self.bucket_bot = [-1] * buckets
-        self.storage_spots: set[int] = set()
-        self.spot_of = [-1] * buckets
-        self.bucket_on: dict[int, int] = {}
-        self.contents: list[dict[int, int]] = []
-        self.tiles_in: list[int] = []
-        self.resting = 0
-        self.with_room = 0
-        self._holders: dict[int, int] = {}
+        self.bucket_bot = np.full(buckets, -1)
+        self.is_storage_spot = np.zeros(waypoints, bool)
+        self.spot_of = np.full(buckets, -1)
+        self.bucket_at = np.full(waypoints, -1)
+        self.contents = Contents(contents, self.kinds, self.scenario.bucket.capacity)
         self.bot_x, self.bot_y = np.zeros(bots), np.zeros(bots)
         self.seen_at = -np.inf
-        self.bot_bucket = [-1] * bots
+        self.bot_bucket = np.full(bots, -1)
         self.waiting_words: dict[int, Word] = {}
         self.open_words: dict[int, OpenWord] = {}
         self.waiting_bundles: dict[int, Bundle] = {}
@@ -115,7 +114,7 @@ class WarehouseView:
         self._first_letter_station = words
         self.free_places = [self.scenario.word_station.open_words] * words
         self.free_places += [self.scenario.letter_station.staged_bundles] * letters
-        self.stock = np.zeros(self.kinds, np.int64)
+        self.stock = self.contents.tiles.sum(axis=1, dtype=np.int64)
         self.wanted = np.zeros(self.kinds, np.int64)
         self.on_order = np.zeros(self.kinds, np.int64)
 
@@ -123,16 +122,36 @@ class WarehouseView:
 
     def holders(self, tile: int) -> int:
         """The buckets that hold a tile kind, as a bit set."""
-        return self._holders.get(tile, 0)
+        return bits(self.contents.tiles[tile] > 0)
+
+    @property
+    def with_room(self) -> int:
+        """The buckets that are not full, as a bit set."""
+        return bits(self.contents.total < self.contents.capacity)
+
+    @property
+    def resting(self) -> int:
+        """The buckets that no bot carries, as a bit set."""
+        return bits(self.bucket_bot < 0)
+
+    @property
+    def storage_spots(self) -> set[int]:
+        """The waypoints that are storage spots now."""
+        return set(np.flatnonzero(self.is_storage_spot).tolist())
+
+    @property
+    def occupied(self) -> NDArray[np.bool_]:
+        """Whether a bucket rests on each waypoint, shape (waypoints,)."""
+        return self.bucket_at >= 0
 
     @property
     def room(self) -> int:
         """How many more tiles go into all buckets, once what is staged is in them."""
-        return len(self.contents) * self.scenario.bucket.capacity - int(self.stock.sum())
+        return len(self.contents) * self.contents.capacity - int(self.stock.sum())
 
     def room_in(self, bucket: int) -> int:
         """How many more tiles go into a bucket."""
-        return self.scenario.bucket.capacity - self.tiles_in[bucket]
+        return self.contents.room(bucket)
 
     def spot_at(self, x: float, y: float) -> int:
         """The storage spot that a bucket at a place in metres rests on, as a waypoint; -1 for none."""
@@ -140,8 +159,11 @@ class WarehouseView:
 
     def spots_within(self, x: float, y: float, radius: float) -> list[int]:
         """The storage spots nearer to a place than `radius` metres, as waypoints, the nearest first."""
-        near = self._waypoint_grid.within(x, y, radius)
-        return [waypoint for waypoint in near if waypoint in self.storage_spots]
+        near = np.array(self._waypoints.query_ball_point((x, y), radius, return_sorted=True), np.int64)
+        steps = self.layout.waypoints[near] - (x, y)
+        squares = steps[:, 0] * steps[:, 0] + steps[:, 1] * steps[:, 1]
+        order = np.argsort(squares, kind="stable")
+        return near[order][(squares[order] < radius * radius) & self.is_storage_spot[near[order]]].tolist()
 
     # ---- how it is kept true -------------------------------------------------------------------------------
 
@@ -164,22 +186,14 @@ class WarehouseView:
                 return False
         self._refused = 0
         self._heard = snapshot.sequence
-        self._clear(len(snapshot.contents), len(snapshot.bots.x))
-        self.storage_spots.update(snapshot.storage_spots)
+        self._clear(snapshot.contents, len(snapshot.bots.x))
+        self.is_storage_spot[list(snapshot.storage_spots)] = True
         self.observe(snapshot.bots)
-        self.bot_bucket = snapshot.bots.bucket.tolist()
+        self.bot_bucket[:] = snapshot.bots.bucket
         self.bucket_x[:], self.bucket_y[:] = snapshot.buckets.x, snapshot.buckets.y
-        self.bucket_bot = snapshot.buckets.bot.tolist()
-        for bucket, contents in enumerate(snapshot.contents):
-            self.contents.append({})
-            self.tiles_in.append(0)
-            self.with_room |= 1 << bucket
-            for tile, count in contents.items():
-                if count > 0:
-                    self._put_in(bucket, tile, count)
-                    self.stock[tile] += count
-            if self.bucket_bot[bucket] < 0:
-                self._set_down(bucket, float(self.bucket_x[bucket]), float(self.bucket_y[bucket]))
+        self.bucket_bot[:] = snapshot.buckets.bot
+        for bucket in np.flatnonzero(self.bucket_bot < 0).tolist():
+            self._set_down(bucket)
         for word_station in snapshot.word_stations:
             for word in word_station.open_words:
                 self._open(word, word_station.station)
@@ -230,7 +244,7 @@ class WarehouseView:
             self.bot_bucket[event.bot] = -1
             self.bucket_bot[event.bucket] = -1
             self.bucket_x[event.bucket], self.bucket_y[event.bucket] = event.x, event.y
-            self._set_down(event.bucket, event.x, event.y)
+            self._set_down(event.bucket)
             self._see(event)
         elif kind is EventType.WORD_ARRIVED:
             self._order(Word(event.job, event.text, event.tiles))
@@ -253,9 +267,9 @@ class WarehouseView:
         elif kind is EventType.RESUMED:
             self._see(event)
         elif kind is EventType.SPOT_MADE:
-            self.storage_spots.add(event.waypoint)
+            self.is_storage_spot[event.waypoint] = True
         elif kind is EventType.SPOT_REMOVED:
-            self.storage_spots.discard(event.waypoint)
+            self.is_storage_spot[event.waypoint] = False
 
     def _order(self, word: Word) -> None:
         self.waiting_words[word.word] = word
@@ -266,7 +280,7 @@ class WarehouseView:
         bucket, tile = event.bucket, event.tile
         self._see(event)
         if event.station < self._first_letter_station:
-            self._take_out(bucket, tile)
+            self.contents.put(bucket, tile, -1)
             self.stock[tile] -= 1
             word = self.open_words.get(event.job)
             if word is None:
@@ -277,7 +291,7 @@ class WarehouseView:
                     self.wanted[tile] -= 1
                     return
         else:
-            self._put_in(bucket, tile, 1)
+            self.contents.put(bucket, tile, 1)
             bundle = self.staged_bundles.get(event.job)
             if bundle is not None:
                 bundle.count -= 1
@@ -294,34 +308,14 @@ class WarehouseView:
     def _lift(self, bucket: int, bot: int) -> None:
         self.bot_bucket[bot] = bucket
         self.bucket_bot[bucket] = bot
-        self.resting &= ~(1 << bucket)
-        if self.bucket_on.get(self.spot_of[bucket]) == bucket:
-            del self.bucket_on[self.spot_of[bucket]]
-
-    def _set_down(self, bucket: int, x: float, y: float) -> None:
-        self.resting |= 1 << bucket
-        spot = self.spot_at(x, y)
-        self.spot_of[bucket] = spot
+        spot = self.spot_of[bucket]
         if spot >= 0:
-            self.bucket_on[spot] = bucket
+            self.bucket_at[spot] = -1
 
-    def _put_in(self, bucket: int, tile: int, count: int) -> None:
-        contents = self.contents[bucket]
-        if tile not in contents:
-            self._holders[tile] = self._holders.get(tile, 0) | 1 << bucket
-        contents[tile] = contents.get(tile, 0) + count
-        self.tiles_in[bucket] += count
-        if self.tiles_in[bucket] >= self.scenario.bucket.capacity:
-            self.with_room &= ~(1 << bucket)
-
-    def _take_out(self, bucket: int, tile: int) -> None:
-        contents = self.contents[bucket]
-        contents[tile] -= 1
-        if not contents[tile]:
-            del contents[tile]
-            self._holders[tile] &= ~(1 << bucket)
-        self.tiles_in[bucket] -= 1
-        self.with_room |= 1 << bucket
+    def _set_down(self, bucket: int) -> None:
+        spot = self.spot_of[bucket] = self.spot_at(self.bucket_x[bucket], self.bucket_y[bucket])
+        if spot >= 0:
+            self.bucket_at[spot] = bucket
 
     def _open(self, word: Word, station: int) -> None:
         opened = OpenWord(word.word, station, word.tiles, list(word.filled or (False,) * len(word.tiles)))

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_msgs_py.warehouse.layout import Floats, Ints
 
 
@@ -19,7 +19,7 @@ class BotChoice(ABC):
     """
 
     @abstractmethod
-    def cost(self, situation: Situation, bots: Ints, place: tuple[float, float]) -> Floats:
+    def cost(self, situation: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
         """What it costs that each idle bot fetches the bucket at a place; the least is taken.
 
         Args:
@@ -31,7 +31,7 @@ class BotChoice(ABC):
             Costs, shape (n,).
         """
 
-    def match(self, situation: Situation, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
+    def match(self, situation: PlanningState, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
         """Costs for several buckets that need bots of their own; override it to decide jointly."""
         return [self.cost(situation, bots, place) for place in places]
 
@@ -39,7 +39,7 @@ class BotChoice(ABC):
 class FirstBot(BotChoice):
     """The first idle bot."""
 
-    def cost(self, situation: Situation, bots: Ints, place: tuple[float, float]) -> Floats:
+    def cost(self, situation: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
         """The bot's number."""
         return bots.astype(np.float64)
 
@@ -47,7 +47,7 @@ class FirstBot(BotChoice):
 class NearestBot(BotChoice):
     """The nearest idle bot, along the aisles."""
 
-    def cost(self, situation: Situation, bots: Ints, place: tuple[float, float]) -> Floats:
+    def cost(self, situation: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
         """Distance along x and y (m)."""
         away = np.abs(situation.robot_xy[bots] - place)
         return away[:, 0] + away[:, 1]
@@ -56,7 +56,7 @@ class NearestBot(BotChoice):
 class Assignment(NearestBot):
     """The bots that drive least altogether, for all buckets that are to be fetched at once."""
 
-    def match(self, situation: Situation, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
+    def match(self, situation: PlanningState, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
         """Each bucket's bot in the assignment comes first."""
         costs = np.array([self.cost(situation, bots, place) for place in places])
         rows, columns = linear_sum_assignment(costs)

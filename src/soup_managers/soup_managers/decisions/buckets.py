@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from soup_managers.state.planning_state import Situation, Want
+from soup_managers.state.planning_state import PlanningState, Want
 from soup_msgs_py.warehouse.layout import Floats
 
 
@@ -22,7 +22,7 @@ class BucketChoice(ABC):
     """
 
     @abstractmethod
-    def score(self, situation: Situation, want: Want) -> Floats:
+    def score(self, situation: PlanningState, want: Want) -> Floats:
         """How good each bucket is for a station.
 
         Args:
@@ -34,7 +34,7 @@ class BucketChoice(ABC):
             out afterwards.
         """
 
-    def match(self, situation: Situation, wants: Sequence[Want]) -> list[Floats]:
+    def match(self, situation: PlanningState, wants: Sequence[Want]) -> list[Floats]:
         """Scores for several stations that may not take the same bucket; override it to decide jointly."""
         return [self.score(situation, want) for want in wants]
 
@@ -42,7 +42,7 @@ class BucketChoice(ABC):
 class FirstBucket(BucketChoice):
     """The first bucket that holds a tile that is needed."""
 
-    def score(self, situation: Situation, want: Want) -> Floats:
+    def score(self, situation: PlanningState, want: Want) -> Floats:
         """All that serve are alike; of equals the first is taken."""
         return np.where(want.tiles > 0, 1.0, 0.0)
 
@@ -50,7 +50,7 @@ class FirstBucket(BucketChoice):
 class NearestBucket(BucketChoice):
     """Of the buckets that hold a tile that is needed the nearest to the station."""
 
-    def score(self, situation: Situation, want: Want) -> Floats:
+    def score(self, situation: PlanningState, want: Want) -> Floats:
         """Less travel is better."""
         return np.where(want.tiles > 0, 1.0 / (1.0 + want.travel_s), 0.0)
 
@@ -58,7 +58,7 @@ class NearestBucket(BucketChoice):
 class MostTiles(BucketChoice):
     """The bucket that holds most of the tiles that are needed."""
 
-    def score(self, situation: Situation, want: Want) -> Floats:
+    def score(self, situation: PlanningState, want: Want) -> Floats:
         """Tiles of the visit (its pile-on)."""
         return want.tiles.astype(np.float64)
 
@@ -75,7 +75,7 @@ class MostTilesPerSecond(BucketChoice):
     def __init__(self, overhead_s: float = 15.0, travel_weight: float = 0.3, late_weight: float = 1.0) -> None:
         self._overhead_s, self._travel_weight, self._late_weight = overhead_s, travel_weight, late_weight
 
-    def score(self, situation: Situation, want: Want) -> Floats:
+    def score(self, situation: PlanningState, want: Want) -> Floats:
         """Tiles over seconds."""
         late_s = np.maximum(0.0, want.travel_s + situation.fetch_s - want.ahead_s)
         cost_s = want.tiles * want.transfer_s + self._overhead_s
@@ -85,7 +85,7 @@ class MostTilesPerSecond(BucketChoice):
 class JointBuckets(MostTilesPerSecond):
     """As `most_tiles_per_second`, but for all stations that want a bucket at once: the best assignment."""
 
-    def match(self, situation: Situation, wants: Sequence[Want]) -> list[Floats]:
+    def match(self, situation: PlanningState, wants: Sequence[Want]) -> list[Floats]:
         """Each station's bucket in the assignment comes first; the others stay behind it in their order."""
         scores = np.array([self.score(situation, want) for want in wants])
         scores[:, ~situation.free_buckets] = 0.0

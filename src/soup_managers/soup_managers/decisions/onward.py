@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_managers.state.robots import Robot
 from soup_msgs_py.warehouse.layout import Floats
 
@@ -15,7 +15,7 @@ class OnwardChoice(ABC):
     """Scores stations as the next stop of a bucket that is on a bot. Extend it and implement `score`."""
 
     @abstractmethod
-    def score(self, situation: Situation, robot: Robot) -> Floats:
+    def score(self, situation: PlanningState, robot: Robot) -> Floats:
         """How good each station is as the next stop.
 
         Args:
@@ -31,7 +31,7 @@ class OnwardChoice(ABC):
 class AlwaysStore(OnwardChoice):
     """One station a trip: the bucket goes into storage."""
 
-    def score(self, situation: Situation, robot: Robot) -> Floats:
+    def score(self, situation: PlanningState, robot: Robot) -> Floats:
         """Nothing above 0."""
         return np.zeros(len(situation.docks))
 
@@ -48,7 +48,7 @@ class ServeOn(OnwardChoice):
     def __init__(self, least_tiles: float = 0.2, least_room: float = 0.4, overhead_s: float = 15.0) -> None:
         self._least_tiles, self._least_room, self._overhead_s = least_tiles, least_room, overhead_s
 
-    def score(self, situation: Situation, robot: Robot) -> Floats:
+    def score(self, situation: PlanningState, robot: Robot) -> Floats:
         """Word stations above 1, letter stations below."""
         scores = np.zeros(len(situation.docks))
         least_tiles, least_room = situation.tiles_of(self._least_tiles), situation.tiles_of(self._least_room)

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from soup_managers.state.planning_state import Situation
-from soup_managers.state.stock import Counts
+from soup_managers.state.contents import Counts
+from soup_managers.state.planning_state import PlanningState
 from soup_msgs_py.warehouse.layout import Floats
 
 
@@ -15,7 +15,7 @@ class StorageChoice(ABC):
     """Scores free storage spots for a bucket. Extend it and implement `cost`."""
 
     @abstractmethod
-    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """What it costs to store a bucket on each free spot; the least is taken.
 
         Args:
@@ -32,7 +32,7 @@ class StorageChoice(ABC):
 class Fixed(StorageChoice):
     """Every bucket has its place: where it stood at the start."""
 
-    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Distance from the bucket's first place."""
         away = np.abs(situation.layout.waypoints[spots] - situation.first_place[bucket])
         return away[:, 0] + away[:, 1]
@@ -41,7 +41,7 @@ class Fixed(StorageChoice):
 class RandomSpot(StorageChoice):
     """Any free spot."""
 
-    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Random numbers."""
         return situation.rng.random(len(spots))
 
@@ -49,7 +49,7 @@ class RandomSpot(StorageChoice):
 class NearestSpot(StorageChoice):
     """The nearest free spot."""
 
-    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Travel time."""
         return travel_s
 
@@ -64,7 +64,7 @@ class NearWords(StorageChoice):
     def __init__(self, weight: float = 3.0) -> None:
         self._weight = weight
 
-    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Seconds, weighted."""
         return travel_s + self._weight * situation.to_words_s[spots]
 
@@ -79,7 +79,7 @@ class PopularityZones(StorageChoice):
     def __init__(self, weight: float = 3.0) -> None:
         self._weight = weight
 
-    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Seconds, weighted by how full the bucket is."""
         full = float(situation.stock.total[bucket]) / situation.stock.capacity
         return travel_s + self._weight * full * situation.to_words_s[spots]
@@ -92,7 +92,7 @@ class StationCache(NearWords):
         weight: As for `near_words`.
     """
 
-    def cost(self, situation: Situation, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Seconds, weighted."""
         serves = [situation.serves(bucket, station) for station in range(situation.word_stations)]
         best = int(np.argmax(serves))

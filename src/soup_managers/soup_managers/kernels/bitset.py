@@ -4,6 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+from numpy.typing import NDArray
+
+
+def bits(mask: NDArray[np.bool_]) -> int:
+    """The numbers at which a mask is true."""
+    return int.from_bytes(np.packbits(mask, bitorder="little").tobytes(), "little")
+
 
 def first(members_of: int) -> int:
     """The smallest member, or -1 of the empty set."""

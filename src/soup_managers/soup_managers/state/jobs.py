@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from soup_managers.state.stock import Counts
+from soup_managers.state.contents import Counts
 from soup_managers.state.tasks import Key, Task, TaskBook
 from soup_msgs_py.messages import DELIVER, TileMove
 

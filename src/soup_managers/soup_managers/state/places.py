@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Set
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
-from soup_msgs_py.warehouse.layout import Layout
+from soup_managers.view import WarehouseView
+
+Mask = NDArray[np.bool_]
 
 
 class Places:
@@ -18,48 +17,35 @@ class Places:
         spots: The layout's storage spots, as waypoints.
         is_spot: Whether each waypoint is one of them. Ways are planned for these: one that is taken away stays a
             place that bots with buckets do not pass, and one that is made elsewhere is not used.
-        occupied: Whether a bucket rests on each waypoint.
         taken: How many bots stand on each waypoint or are on their way to stand there.
     """
 
-    def __init__(self, layout: Layout, bots: int) -> None:
-        waypoints = len(layout.waypoints)
-        self.spots: NDArray[np.int64] = layout.storage_spots.astype(np.int64)
-        self.is_spot = np.zeros(waypoints, bool)
+    def __init__(self, view: WarehouseView) -> None:
+        self._view = view
+        self.spots: NDArray[np.int64] = view.layout.storage_spots.astype(np.int64)
+        self.is_spot = np.zeros(len(view.layout.waypoints), bool)
         self.is_spot[self.spots] = True
-        self.occupied = np.zeros(waypoints, bool)
-        self.taken = np.zeros(waypoints, np.int32)
-        self._may_store = self.is_spot.copy()
-        self._near = KDTree(layout.waypoints)
-
-    def nearest(self, x: float, y: float) -> int:
-        """The waypoint nearest to a place (m)."""
-        return int(self._near.query((x, y))[1])
-
-    def take_over(self, bucket_on: Mapping[int, int], storage_spots: Set[int]) -> None:
-        """Learn anew where buckets rest, and which spots there are."""
-        self.occupied[:] = False
-        self.occupied[list(bucket_on)] = True
-        self._may_store[:] = False
-        self._may_store[list(storage_spots)] = True
-
-    def allow(self, waypoint: int, allowed: bool) -> None:
-        """A storage spot was made or taken away."""
-        self._may_store[waypoint] = allowed
+        self.taken = np.zeros(len(view.layout.waypoints), np.int32)
 
     @property
-    def closed(self) -> NDArray[np.bool_]:
+    def occupied(self) -> Mask:
+        """Whether a bucket rests on each waypoint, shape (waypoints,)."""
+        return self._view.occupied
+
+    @property
+    def closed(self) -> Mask:
         """Where a bot with a bucket cannot pass, because a bucket or a bot is there, shape (waypoints,)."""
         return self.occupied | (self.taken > 0)
 
     def free_spots(self) -> NDArray[np.int64]:
         """Storage spots with neither a bucket nor a bot, as waypoints."""
-        spots = self.spots
-        return spots[self._may_store[spots] & ~self.occupied[spots] & (self.taken[spots] == 0)]
+        view, spots = self._view, self.spots
+        return spots[view.is_storage_spot[spots] & (view.bucket_at[spots] < 0) & (self.taken[spots] == 0)]
 
     def is_free(self, spot: int) -> bool:
         """Whether a bucket may be set down on a storage spot, and neither a bucket nor a bot is there."""
-        return bool(self._may_store[spot]) and not self.occupied[spot] and self.taken[spot] == 0
+        view = self._view
+        return bool(view.is_storage_spot[spot]) and view.bucket_at[spot] < 0 and self.taken[spot] == 0
 
     def take(self, waypoint: int) -> None:
         """A bot stands on a waypoint, or will."""
@@ -68,13 +54,3 @@ class Places:
     def leave(self, waypoint: int) -> None:
         """A bot no longer stands on a waypoint."""
         self.taken[waypoint] -= 1
-
-    def lifted(self, spot: int) -> None:
-        """The bucket on a spot was lifted."""
-        if spot >= 0:
-            self.occupied[spot] = False
-
-    def set_down(self, spot: int) -> None:
-        """A bucket was set down on a spot."""
-        if spot >= 0:
-            self.occupied[spot] = True

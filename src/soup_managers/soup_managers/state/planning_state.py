@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from soup_managers.state.contents import Contents, tiles_of
 from soup_managers.state.jobs import StationBook
+from soup_managers.state.places import Mask, Places
 from soup_managers.state.robots import Activity, Purpose, Robot
-from soup_managers.state.stock import Stock, tiles_of
 from soup_managers.view import WarehouseView
-from soup_msgs_py.warehouse.layout import Floats, Ints, Layout
+from soup_msgs_py.warehouse.layout import Floats, Ints
 
 if TYPE_CHECKING:
     from soup_managers.traffic import Traffic
@@ -82,21 +83,20 @@ class Horizons:
     least_room: float = 0.4
 
 
-class Situation:
+class PlanningState:
     """The fleet's books, as its decisions see them. Read only for policies.
 
     Attributes:
         view: The warehouse as the world tells it.
         layout: The floor.
+        traffic: The ways, and who has reserved them.
+        places: Which waypoints are taken.
         tasks: Words and bundles that are to be served.
-        stock: Tiles in buckets.
         robots: The bots.
         rng: For all random draws of policies.
         docks: The waypoint of each station.
         closed: Whether a bot that does not answer stands in each station's line, shape (stations,).
         bound: The bots that are bound for each station, in the order of their binding.
-        free_buckets: Which buckets rest and are in nobody's plans, shape (buckets,).
-        spot_of: The storage spot of each bucket (waypoint), shape (buckets,).
         first_place: Where each bucket was when the fleet manager began (m), shape (buckets, 2).
         robot_xy: Where each bot stands or will stand (m), shape (bots, 2).
         approach_s: The way from a storage spot to each station, on average (s).
@@ -107,11 +107,10 @@ class Situation:
 
     fetch_s = FETCH_S
 
-    def __init__(
-        self, view: WarehouseView, layout: Layout, traffic: Traffic, horizons: Horizons, rng: np.random.Generator
-    ) -> None:
-        scenario = view.scenario
+    def __init__(self, view: WarehouseView, traffic: Traffic, horizons: Horizons, rng: np.random.Generator) -> None:
+        scenario, layout = view.scenario, view.layout
         self.view, self.layout, self.traffic, self.horizons, self.rng = view, layout, traffic, horizons, rng
+        self.places = Places(view)
         self.word_stations = len(layout.word_stations)
         self.docks: list[int] = layout.stations.tolist()
         self.robots = [Robot(bot) for bot in range(scenario.bots)]
@@ -129,16 +128,31 @@ class Situation:
         self.take_over()
 
     def take_over(self) -> None:
-        """Make the books about buckets anew from the view."""
+        """Begin with what the view knows now."""
         view = self.view
         self._outlooks.clear()
-        self.stock = Stock(view)
-        self.spot_of = np.array(view.spot_of, np.int64)
-        resting = np.array([bot < 0 for bot in view.bucket_bot], bool)
-        self.free_buckets = resting & (self.spot_of >= 0)
         self.kind_share = self.stock.tiles.sum(axis=1) / max(1, int(self.stock.total.sum()))
         if len(self.first_place) != len(view.bucket_x):
             self.first_place = np.stack([view.bucket_x, view.bucket_y], axis=1).copy()
+
+    # ---- buckets -------------------------------------------------------------------------------------------
+
+    @property
+    def stock(self) -> Contents:
+        """Tiles in buckets."""
+        return self.view.contents
+
+    @property
+    def spot_of(self) -> NDArray[np.int64]:
+        """The storage spot of each bucket (waypoint), shape (buckets,)."""
+        return self.view.spot_of
+
+    @property
+    def free_buckets(self) -> Mask:
+        """Which buckets rest on storage spots and are in nobody's plans, shape (buckets,)."""
+        free = (self.view.bucket_bot < 0) & (self.view.spot_of >= 0)
+        free[[robot.load for robot in self.robots if robot.load >= 0]] = False
+        return free
 
     # ---- times ---------------------------------------------------------------------------------------------
 
@@ -167,7 +181,7 @@ class Situation:
 
     def room(self, bucket: int) -> int:
         """How many more tiles go into a bucket."""
-        return self.stock.capacity - int(self.stock.total[bucket])
+        return self.stock.room(bucket)
 
     def tiles_of(self, amount: float) -> int:
         """An amount in tiles: below 1 it is a share of the capacity of a bucket."""

@@ -110,11 +110,9 @@ class Robot:
         self.bucket, self.target = self.target, -1
         self.purpose = Purpose.SERVE if self.station >= 0 else Purpose.NONE
 
-    def set_down(self) -> int:
-        """It has set its bucket down; which."""
-        bucket, self.bucket = self.bucket, -1
-        self.purpose = Purpose.NONE
-        return bucket
+    def set_down(self) -> None:
+        """It has set its bucket down."""
+        self.bucket, self.purpose = -1, Purpose.NONE
 
     # ---- waiting ---------------------------------------------------------------------------------------------
 

@@ -157,6 +157,10 @@ class Traffic:
         """The bots that hold what a bot holds, at the same time, from now on: they must be stopped."""
         return conflicts(self._table, bot, now)
 
+    def nearest(self, x: float, y: float) -> int:
+        """The waypoint nearest to a place (m)."""
+        return self._nearby.waypoint(x, y)
+
     # ---- drives ----------------------------------------------------------------------------------------------
 
     def plan(

@@ -14,10 +14,8 @@ from soup_managers.fleets.coordinated.moves import Moves
 from soup_managers.fleets.coordinated.policies import Coordinated
 from soup_managers.fleets.coordinated.scores import Scores
 from soup_managers.fleets.coordinated.startup_barrier import StartupBarrier
-from soup_managers.state.places import Places
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_managers.state.robots import Activity, Purpose, Robot
-from soup_managers.traffic import Traffic
 from soup_msgs_py.messages import TileMove
 from soup_msgs_py.mistakes import Mistakes
 
@@ -32,10 +30,8 @@ class Dispatch:
 
     def __init__(
         self,
-        situation: Situation,
+        situation: PlanningState,
         policy: Coordinated,
-        traffic: Traffic,
-        places: Places,
         queues: DockQueues,
         barrier: StartupBarrier,
         moves: Moves,
@@ -49,8 +45,6 @@ class Dispatch:
         Args:
             situation: The bots, buckets and stations.
             policy: Its decisions.
-            traffic: Knows how long ways take.
-            places: Which waypoints are taken.
             queues: The lines of stations.
             barrier: Whether bots may be sent about yet.
             moves: Sends bots.
@@ -59,10 +53,10 @@ class Dispatch:
             explain: Is told the decisions.
             mistakes: Is told what the policy decides that cannot be.
         """
-        self._situation, self._policy, self._traffic, self._places = situation, policy, traffic, places
-        self._queues, self._barrier, self._moves, self._docking = queues, barrier, moves, docking
-        self._digging, self._explain = digging, explain
-        self._fetching = Fetching(situation, policy, places, digging, explain, mistakes)
+        self._situation, self._traffic, self._places = situation, situation.traffic, situation.places
+        self._policy, self._queues, self._barrier, self._moves = policy, queues, barrier, moves
+        self._docking, self._digging, self._explain = docking, digging, explain
+        self._fetching = Fetching(situation, policy, digging, explain, mistakes)
         self._onward_scores = Scores(mistakes, "onward", policy.onward, 0.0)
         self._storage_costs = Scores(mistakes, "storage", policy.storage, np.inf)
         self._kept_free = np.zeros(len(situation.layout.waypoints), bool)
@@ -179,6 +173,5 @@ class Dispatch:
         if not self._moves.go(robot, spot, now, Purpose.FETCH, target=bucket):
             self._fetching.unreachable(bucket, now)
             return
-        self._situation.free_buckets[bucket] = False
         if not fetch.wanted.digs:
             self._queues.bind(robot, fetch.wanted.station)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_managers.state.robots import Activity, Purpose, Robot
 from soup_managers.traffic import Traffic
 
@@ -23,7 +23,7 @@ class DockQueues:
         bound_changed: Whether others are bound for stations than when this was set to False.
     """
 
-    def __init__(self, situation: Situation, places: Sequence[Sequence[int]]) -> None:
+    def __init__(self, situation: PlanningState, places: Sequence[Sequence[int]]) -> None:
         """Begin with nobody in the lines.
 
         Args:

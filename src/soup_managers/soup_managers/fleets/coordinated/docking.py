@@ -6,10 +6,8 @@ from soup_managers.fleets.coordinated.digging import Digging
 from soup_managers.fleets.coordinated.dock_queues import FAR_S, DockQueues, spots_near
 from soup_managers.fleets.coordinated.lowest import lowest
 from soup_managers.fleets.coordinated.moves import Moves
-from soup_managers.state.places import Places
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_managers.state.robots import Activity, Purpose, Robot
-from soup_managers.traffic import Traffic
 from soup_msgs_py.warehouse.layout import Floats
 
 TRIES = 8  # stations that are tried at once
@@ -23,28 +21,18 @@ class Docking:
         spots: Storage spots near each station, which are kept for buckets that wait for a place in its line.
     """
 
-    def __init__(
-        self,
-        situation: Situation,
-        traffic: Traffic,
-        places: Places,
-        digging: Digging,
-        queues: DockQueues,
-        moves: Moves,
-    ) -> None:
+    def __init__(self, situation: PlanningState, digging: Digging, queues: DockQueues, moves: Moves) -> None:
         """Begin with nobody in the lines.
 
         Args:
             situation: The bots, buckets and stations.
-            traffic: Knows where bots stand.
-            places: Which waypoints are taken.
             digging: Knows which spots a bot with a bucket gets to.
             queues: The lines of stations.
             moves: Sends bots.
         """
-        self.spots = spots_near(situation.docks, places.spots, traffic)
-        self._situation, self._traffic, self._places, self._digging = situation, traffic, places, digging
-        self._queues, self._moves = queues, moves
+        self._situation, self._traffic, self._places = situation, situation.traffic, situation.places
+        self._digging, self._queues, self._moves = digging, queues, moves
+        self.spots = spots_near(situation.docks, self._places.spots, self._traffic)
 
     def move_up(self, station: int, now: float) -> None:
         """Move a station's line up, and let those who wait for a place in it come."""

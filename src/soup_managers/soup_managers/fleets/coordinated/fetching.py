@@ -11,8 +11,7 @@ from soup_managers.fleets.coordinated.digging import Digging, Mask
 from soup_managers.fleets.coordinated.lowest import lowest
 from soup_managers.fleets.coordinated.policies import Coordinated
 from soup_managers.fleets.coordinated.scores import Scores
-from soup_managers.state.places import Places
-from soup_managers.state.planning_state import Fill, Situation, Want
+from soup_managers.state.planning_state import Fill, PlanningState, Want
 from soup_managers.state.robots import Purpose, Robot
 from soup_msgs_py.mistakes import Mistakes
 from soup_msgs_py.warehouse.layout import Ints
@@ -57,15 +56,9 @@ class Fetching:
     """Matches stations that run out of work with buckets, and those with idle bots, by the policies' scores."""
 
     def __init__(
-        self,
-        situation: Situation,
-        policy: Coordinated,
-        places: Places,
-        digging: Digging,
-        explain: Explain,
-        mistakes: Mistakes,
+        self, situation: PlanningState, policy: Coordinated, digging: Digging, explain: Explain, mistakes: Mistakes
     ) -> None:
-        self._situation, self._policy, self._places, self._digging = situation, policy, places, digging
+        self._situation, self._policy, self._digging = situation, policy, digging
         self._bot_costs = Scores(mistakes, "bots", policy.bots, np.inf)
         self._bucket_scores = Scores(mistakes, "buckets", policy.buckets, 0.0)
         self._fill_scores = Scores(mistakes, "fills", policy.fills, 0.0)
@@ -162,7 +155,7 @@ class Fetching:
         situation, policy = self._situation, self._policy
         words = [demand.needs for demand in demands if isinstance(demand.needs, Want)]
         scored = policy.buckets.match(situation, words) if words else []
-        buckets = len(situation.free_buckets)
+        buckets = len(situation.stock)
         word_scores = self._bucket_scores.of_all(scored, len(words), buckets)
         depths = self._digging.depths()[np.maximum(situation.spot_of, 0)]
         chosen: dict[int, Wanted] = {}
@@ -195,7 +188,8 @@ class Fetching:
     def _is_reachable(self, bucket: int, idle: list[int]) -> bool:
         """Whether no bot is under a bucket, or an idle one, which can fetch it itself."""
         spot = int(self._situation.spot_of[bucket])
-        return not self._places.taken[spot] or any(self._situation.robots[bot].waypoint == spot for bot in idle)
+        robots = self._situation.robots
+        return not self._situation.places.taken[spot] or any(robots[bot].waypoint == spot for bot in idle)
 
     def _first_to_move(self, bucket: int, depth: int, station: int) -> int:
         """The bucket itself or, where others are in its way, the first of them that can be moved; -1 for none."""
@@ -209,5 +203,5 @@ class Fetching:
     def _outermost(self, spot: int) -> int:
         """The first bucket that is to be moved so that one can get out of a spot, -1 where that is under way."""
         in_the_way = self._digging.in_the_way(spot)
-        bucket = self._situation.view.bucket_on.get(in_the_way[0], -1) if in_the_way else -1
+        bucket = int(self._situation.view.bucket_at[in_the_way[0]]) if in_the_way else -1
         return bucket if bucket >= 0 and self._situation.free_buckets[bucket] else -1

@@ -28,8 +28,7 @@ from soup_managers.fleets.coordinated.policies import Coordinated
 from soup_managers.fleets.coordinated.recovery import Recovery
 from soup_managers.fleets.coordinated.startup_barrier import StartupBarrier
 from soup_managers.fleets.coordinated.take_over import drives_on, stays
-from soup_managers.state.places import Places
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_managers.state.robots import Activity, Purpose, Robot
 from soup_managers.state.tasks import Key, Task
 from soup_managers.traffic import Traffic
@@ -84,25 +83,19 @@ class CoordinatedFleet(Fleet[Task]):
         """
         self._explain = explain or Explain()
         self._traffic = traffic = Traffic(scenario, layout)
-        self.situation = situation = Situation(view, layout, traffic, policy.horizons, rng)
+        self.situation = situation = PlanningState(view, traffic, policy.horizons, rng)
         super().__init__(view, situation.tasks)
         self._orders = orders = Orders()
         self._barrier = barrier = StartupBarrier()
-        self._places = places = Places(layout, scenario.bots)
         self._queues = queues = DockQueues(situation, traffic.lines)
         self._liveness = liveness = Liveness(situation.robots)
-        digging = Digging(layout, places)
-        self._recovery = Recovery(
-            scenario, layout, view, situation, traffic, places, queues, liveness, orders,
-        )  # fmt: skip
-        self._moves = moves = Moves(
-            situation, traffic, places, queues, liveness, self._recovery, barrier, orders,
-        )  # fmt: skip
-        self._docking = Docking(situation, traffic, places, digging, queues, moves)
+        digging = Digging(layout, situation.places)
+        self._recovery = Recovery(situation, queues, liveness, orders)
+        self._moves = moves = Moves(situation, queues, liveness, self._recovery, barrier, orders)
+        self._docking = Docking(situation, digging, queues, moves)
         self._dispatch = Dispatch(
-            situation, policy, traffic, places, queues, barrier, moves, self._docking, digging,
-            self._explain, self.mistakes,
-        )  # fmt: skip
+            situation, policy, queues, barrier, moves, self._docking, digging, self._explain, self.mistakes
+        )
         self._told: dict[int, BotStatus] = {}  # bots that say that they stand or work, and are still to be seen there
         self._tick = NEVER
         self._has_idle = True  # whether bots had no work when all stations were looked at last
@@ -223,21 +216,16 @@ class CoordinatedFleet(Fleet[Task]):
     # ---- the world -------------------------------------------------------------------------------------------
 
     def take_over(self, now: float) -> None:
-        """Make the books about buckets anew from the view."""
+        """Begin with what the view knows now."""
         self._barrier.begin(now)
         self.situation.take_over()
-        self._places.take_over(self.view.bucket_on, self.view.storage_spots)
-        for robot in self.situation.robots:
-            if robot.load >= 0:
-                self.situation.free_buckets[robot.load] = False
         self._tick = now + TICK_S
 
     def on_event(self, event: Event, now: float) -> list[Message]:
-        """Tiles were moved, buckets lifted and set down."""
+        """Tiles were moved, words opened and completed, bundles emptied; bots collided."""
         kind, situation = event.type, self.situation
         if kind is EventType.TRANSFERRED:
             delivered = event.station < situation.word_stations
-            situation.stock.put(event.bucket, event.tile, -1 if delivered else 1)
             situation.tasks.moved((DELIVER if delivered else STORE, event.job), event.tile)
             situation.changed(event.station)
         elif kind is EventType.WORD_ASSIGNED:
@@ -245,17 +233,8 @@ class CoordinatedFleet(Fleet[Task]):
         elif kind is EventType.WORD_COMPLETED or kind is EventType.BUNDLE_EMPTIED:
             task = self.completed(event)
             return [self.end(task)] if task is not None else []
-        elif kind is EventType.GRABBED:
-            situation.free_buckets[event.bucket] = False
-            self._places.lifted(int(situation.spot_of[event.bucket]))
-        elif kind is EventType.RELEASED:
-            spot = self.view.spot_of[event.bucket]
-            situation.spot_of[event.bucket] = spot
-            self._places.set_down(spot)
         elif kind is EventType.BOT_COLLISION or kind is EventType.BUCKET_COLLISION:
             self._liveness.collided(event.bots, now)
-        elif kind is EventType.SPOT_MADE or kind is EventType.SPOT_REMOVED:
-            self._places.allow(event.waypoint, kind is EventType.SPOT_MADE)
         return []
 
     def on_goal(self, task: Task) -> None:

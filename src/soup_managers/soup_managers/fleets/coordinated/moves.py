@@ -7,10 +7,8 @@ from soup_managers.fleets.coordinated.liveness import Liveness
 from soup_managers.fleets.coordinated.orders import Orders
 from soup_managers.fleets.coordinated.recovery import RETRY_S, Recovery
 from soup_managers.fleets.coordinated.startup_barrier import StartupBarrier
-from soup_managers.state.places import Places
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_managers.state.robots import Activity, Purpose, Robot
-from soup_managers.traffic import Traffic
 from soup_msgs_py.messages import TileMove, Visit
 
 AT_ONCE = 10  # bots that may try again in RETRY_S
@@ -26,9 +24,7 @@ class Moves:
 
     def __init__(
         self,
-        situation: Situation,
-        traffic: Traffic,
-        places: Places,
+        situation: PlanningState,
         queues: DockQueues,
         liveness: Liveness,
         recovery: Recovery,
@@ -39,8 +35,6 @@ class Moves:
 
         Args:
             situation: The bots, buckets and stations.
-            traffic: Plans ways and reserves them.
-            places: Which waypoints are taken.
             queues: The lines of stations.
             liveness: Is told who was asked for something.
             recovery: Is told where bots go.
@@ -49,8 +43,9 @@ class Moves:
         """
         self.undecided: list[Robot] = []
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
-        self._situation, self._traffic, self._places, self._queues = situation, traffic, places, queues
-        self._liveness, self._recovery, self._barrier, self._orders = liveness, recovery, barrier, orders
+        self._situation, self._traffic = situation, situation.traffic
+        self._queues, self._liveness, self._recovery = queues, liveness, recovery
+        self._barrier, self._orders = barrier, orders
         self._looks_at, self._looks_before = -1.0, 0  # when ways were looked for last, and how many looks before then
 
     def go(
@@ -80,7 +75,7 @@ class Moves:
             goal,
             now,
             loaded=robot.bucket >= 0,
-            blocked_spots=self._places.occupied,
+            blocked_spots=self._situation.view.occupied,
             hurried=hurried or looks > LOOKS,
         )
         if leg is None:
@@ -130,7 +125,7 @@ class Moves:
         if robot.purpose is Purpose.FETCH:
             robot.lifted()
         elif robot.purpose is Purpose.STORE:
-            self._situation.free_buckets[robot.set_down()] = True
+            robot.set_down()
             return
         if robot.purpose is Purpose.SERVE and robot.slot != 0:
             self._queues.moved.add(robot.station)

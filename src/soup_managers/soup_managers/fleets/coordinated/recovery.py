@@ -9,15 +9,11 @@ from soup_managers.fleets.coordinated.dock_queues import DockQueues
 from soup_managers.fleets.coordinated.liveness import Liveness
 from soup_managers.fleets.coordinated.orders import Orders
 from soup_managers.fleets.coordinated.take_over import purpose_of
-from soup_managers.state.places import Places
-from soup_managers.state.planning_state import Situation
+from soup_managers.state.planning_state import PlanningState
 from soup_managers.state.robots import Activity, Purpose, Robot
-from soup_managers.traffic import Leg, Traffic
-from soup_managers.view import WarehouseView
+from soup_managers.traffic import Leg
 from soup_msgs_py.codes import Code
 from soup_msgs_py.messages import BotStatus, Trip
-from soup_msgs_py.scenario import Scenario
-from soup_msgs_py.warehouse.layout import Layout
 
 RETRY_S = 0.5  # before a way that could not be planned is tried again
 ASK_S = 5.0  # between two questions to all lost bots that are silent
@@ -34,12 +30,7 @@ class Recovery:
 
     def __init__(
         self,
-        scenario: Scenario,
-        layout: Layout,
-        view: WarehouseView,
-        situation: Situation,
-        traffic: Traffic,
-        places: Places,
+        situation: PlanningState,
         queues: DockQueues,
         liveness: Liveness,
         orders: Orders,
@@ -47,23 +38,18 @@ class Recovery:
         """Begin with bots of which nothing is known.
 
         Args:
-            scenario: How fast bots brake, and how long a collision keeps them standing.
-            layout: The waypoints.
-            view: Where bots are seen.
             situation: The bots, buckets and stations.
-            traffic: The reservation table.
-            places: Which waypoints are taken.
             queues: The lines of stations.
             liveness: Knows whom nobody can rely on.
             orders: What is asked of bots.
         """
         self.halted: set[int] = set()
-        self._layout, self._view, self._situation = layout, view, situation
-        self._traffic, self._places, self._queues, self._liveness, self._orders = (
-            traffic, places, queues, liveness, orders,
-        )  # fmt: skip
-        self._tolerance_m, self._penalty_s = scenario.bot.tolerance_m, scenario.bot.collision_penalty_s
-        self._brakes_s = scenario.bot.max_speed_mps / scenario.bot.max_acceleration_mps2
+        self._situation, self._traffic, self._places = situation, situation.traffic, situation.places
+        self._layout, self._view = situation.layout, situation.view
+        self._queues, self._liveness, self._orders = queues, liveness, orders
+        bot = situation.view.scenario.bot
+        self._tolerance_m, self._penalty_s = bot.tolerance_m, bot.collision_penalty_s
+        self._brakes_s = bot.max_speed_mps / bot.max_acceleration_mps2
         self._legs: dict[int, Leg] = {}  # the last one of each bot
         self._asks_at = 0.0
 
@@ -85,14 +71,12 @@ class Recovery:
     def stands(self, robot: Robot, bucket: int, now: float) -> None:
         """Enter a bot where it is seen."""
         x, y = float(self._view.bot_x[robot.number]), float(self._view.bot_y[robot.number])
-        waypoint = self._places.nearest(x, y)
+        waypoint = self._traffic.nearest(x, y)
         self._moves(robot, waypoint)
         robot.found(bucket, waypoint)
         self.halted.discard(robot.number)
         self._traffic.stand_at(robot.number, x, y, now)
         self._stop_others(robot, now)
-        if bucket >= 0:
-            self._situation.free_buckets[bucket] = False
 
     def stands_in_the_way(self, robot: Robot, now: float) -> None:
         """Nobody answers for a bot, or it still does what nobody knows any more: it stands there until it is idle."""
@@ -126,17 +110,15 @@ class Recovery:
         self._liveness.placed(robot.number)
         self.halted.discard(robot.number)
         self._traffic.adopt(robot.number, status.points, status.stamps)
-        goal = self._places.nearest(*status.points[-1])
+        goal = self._traffic.nearest(*status.points[-1])
         self._moves(robot, goal)
         robot.adopted_on(goal, status.bucket, status.stamps[-1])
         self.note_closed()
         if robot.bucket < 0:
-            bucket = self._view.bucket_on.get(goal, -1)
+            bucket = int(self._view.bucket_at[goal])
             if bucket >= 0 and self._situation.free_buckets[bucket]:
                 robot.is_for(Purpose.FETCH, bucket)
-                self._situation.free_buckets[bucket] = False
             return
-        self._situation.free_buckets[robot.bucket] = False
         if self._places.is_spot[goal]:
             robot.is_for(Purpose.STORE)
         self._queues.keep(robot)
@@ -156,7 +138,6 @@ class Recovery:
         self.stands(robot, bucket, now)
         robot.works()
         robot.asked(trip.trip, now)
-        self._situation.free_buckets[trip.bucket] = False
         purpose = purpose_of(trip)
         if purpose is Purpose.FETCH:
             robot.lifts(trip.bucket)
@@ -203,8 +184,6 @@ class Recovery:
         if gone:
             self._liveness.forget_idle(robot)
         self._queues.unbind(robot)
-        if robot.target >= 0 and self._view.bucket_bot[robot.target] < 0:
-            self._situation.free_buckets[robot.target] = True
         struck = code in (Code.COLLIDED, Code.PENALISED)
         robot.failed(why, now + (self._penalty_s if struck else RETRY_S))
         self._liveness.lose(robot, now)

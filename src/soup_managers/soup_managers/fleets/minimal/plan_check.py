@@ -26,7 +26,7 @@ def check_plan(plan: TripPlan, fleet: FleetState) -> None:
         raise PlanError(f"bucket {bucket} is in use")
     elif fleet.bot_under(bucket) not in (-1, bot):
         raise PlanError(f"bot {fleet.bot_under(bucket)} stands under bucket {bucket}, bot {bot} cannot get there")
-    comes_back = plan.spot == fleet.view.spot_of[bucket] and fleet.view.bucket_on.get(plan.spot) == bucket
+    comes_back = 0 <= plan.spot == fleet.view.spot_of[bucket] and fleet.view.bucket_bot[bucket] < 0
     if not (comes_back or fleet.is_free_spot(plan.spot)):
         raise PlanError(f"storage spot {plan.spot} is not free for bucket {bucket}")
     _check_letters(plan, fleet)

@@ -127,11 +127,13 @@ class FleetState:
     def is_free_spot(self, spot: int) -> bool:
         """Whether a storage spot is empty and not kept for a bucket under way."""
         view = self.view
-        return spot in view.storage_spots and spot not in view.bucket_on and spot not in self._reserved_spots
+        if not 0 <= spot < len(view.is_storage_spot) or spot in self._reserved_spots:
+            return False
+        return bool(view.is_storage_spot[spot] and view.bucket_at[spot] < 0)
 
     def nearest_free_spot(self, x: float, y: float) -> int:
         """The free storage spot nearest to a place in metres, as a waypoint; -1 where there is none."""
-        spots = np.array(sorted(self.view.storage_spots), np.int64)
+        spots = np.flatnonzero(self.view.is_storage_spot)
         step = self.layout.waypoints[spots] - (x, y)
         order = np.argsort(step[:, 0] * step[:, 0] + step[:, 1] * step[:, 1], kind="stable")
         return next((spot for spot in spots[order].tolist() if self.is_free_spot(spot)), -1)
@@ -259,7 +261,7 @@ class FleetState:
 
     def _spots_freed(self, spots: list[int]) -> None:
         for spot in spots:
-            bucket = self.view.bucket_on.get(spot, -1)
+            bucket = int(self.view.bucket_at[spot])
             if bucket >= 0:
                 self.bucket_freed(bucket)
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from soup_managers.view import WarehouseView
 
 Counts = NDArray[np.signedinteger[Any]]
 
@@ -17,8 +16,8 @@ def tiles_of(amount: float, capacity: int) -> int:
     return max(1, round(amount * capacity if amount < 1 else amount))
 
 
-class Stock:
-    """Tiles in buckets.
+class Contents:
+    """Tiles in buckets: `contents[bucket]` is a bucket's, as tile kind to count.
 
     Attributes:
         tiles: How many tiles of each kind are in each bucket, shape (kinds, buckets).
@@ -26,18 +25,33 @@ class Stock:
         capacity: Tiles that fit into a bucket.
     """
 
-    def __init__(self, view: WarehouseView) -> None:
-        """Take over what a view knows now."""
-        buckets = len(view.contents)
-        self.capacity = view.scenario.bucket.capacity
-        self.tiles = np.zeros((view.kinds, buckets), np.int16)
-        for bucket, contents in enumerate(view.contents):
-            for tile, count in contents.items():
-                self.tiles[tile, bucket] = count
-        self.total = np.array(view.tiles_in, np.int32)
+    def __init__(self, contents: Sequence[Mapping[int, int]], kinds: int, capacity: int) -> None:
+        """Take over what is in each bucket."""
+        self.tiles = np.zeros((kinds, len(contents)), np.int16)
+        for bucket, tiles in enumerate(contents):
+            self.tiles[list(tiles), bucket] = list(tiles.values())
+        self.total = self.tiles.sum(axis=0, dtype=np.int32)
+        self.capacity = capacity
+
+    def __len__(self) -> int:
+        return len(self.total)
+
+    def __getitem__(self, bucket: int) -> dict[int, int]:
+        tiles = self.tiles[:, bucket]
+        kinds = np.flatnonzero(tiles)
+        return dict(zip(kinds.tolist(), tiles[kinds].tolist(), strict=True))
+
+    def __iter__(self) -> Iterator[dict[int, int]]:
+        return (self[bucket] for bucket in range(len(self)))
+
+    def room(self, bucket: int) -> int:
+        """How many more tiles go into a bucket."""
+        return self.capacity - int(self.total[bucket])
 
     def put(self, bucket: int, tile: int, change: int) -> None:
-        """Tiles were moved into a bucket (a negative change: out of it)."""
+        """Tiles were moved into a bucket (a negative change: out of it); a `KeyError` where they are not there."""
+        if self.tiles[tile, bucket] + change < 0:
+            raise KeyError(tile)
         self.tiles[tile, bucket] += change
         self.total[bucket] += change
 
