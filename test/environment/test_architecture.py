@@ -27,7 +27,7 @@ MAY_IMPORT = {
 # The rooms of soup_managers from the ground up: each may know those on the floors below.
 MANAGERS = "soup_managers"
 FLOORS = (
-    {"kernels"},
+    {"kernels", "contents"},
     {"view", "explain"},
     {"manager", "policies", "traffic", "planners"},
     {"stations", "state"},

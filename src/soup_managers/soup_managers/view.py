@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from soup_managers.contents import Contents
 from soup_managers.kernels.bitset import bits
-from soup_managers.state.contents import Contents
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Bots, Bundle, Event, Snapshot, Word
 from soup_msgs_py.scenario import Scenario

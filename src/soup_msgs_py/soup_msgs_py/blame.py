@@ -22,7 +22,7 @@ MOVED = {
     "soup_managers.policies.fleet": "soup_managers.fleets.minimal.policies",
     "soup_managers.policies.planned": "soup_managers.fleets.planned.policies",
     "soup_managers.router": "soup_managers.traffic.router",
-    "soup_managers.state.stock": "soup_managers.state.contents",
+    "soup_managers.state.stock": "soup_managers.contents",
     **{f"soup_msgs_py.{name}": f"soup_msgs_py.warehouse.{name}" for name in ("layout", "tiles", "words", "cell_world")},
 }
 

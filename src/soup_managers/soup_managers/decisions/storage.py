@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from soup_managers.state.contents import Counts
+from soup_managers.contents import Counts
 from soup_managers.state.planning_state import PlanningState
 from soup_msgs_py.warehouse.layout import Floats
 

@@ -6,9 +6,9 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from soup_managers.state.contents import Counts
+from soup_managers.contents import Counts
 from soup_managers.state.tasks import Key, Task, TaskBook
-from soup_msgs_py.messages import DELIVER, TileMove
+from soup_msgs_py.messages import TileMove
 
 
 class StationBook(TaskBook[Task]):
@@ -16,48 +16,47 @@ class StationBook(TaskBook[Task]):
 
     Attributes:
         at: The tasks of each station, in the order of their arrival.
-        need: Tiles that the words of each word station lack, shape (word stations, kinds).
     """
 
-    def __init__(self, word_stations: int, stations: int, kinds: int, changed: Callable[[int], None]) -> None:
+    def __init__(self, stations: int, kinds: int, changed: Callable[[int], None]) -> None:
         """Begin with none.
 
         Args:
-            word_stations: Their number.
-            stations: Number of all stations.
+            stations: Their number.
             kinds: Number of tile kinds.
             changed: Is told of a station that wants something else than before.
         """
         super().__init__(Task)
         self.at: list[dict[Key, Task]] = [{} for _ in range(stations)]
-        self.need = np.zeros((word_stations, kinds), np.int32)
-        self._changed = changed
+        self._kinds, self._changed = kinds, changed
 
     def accept(self, task: Task) -> None:
         """Take a task on."""
         super().accept(task)
         self.at[task.station][task.key] = task
-        self._count(task, 1)
+        self._changed(task.station)
 
     def remove(self, task: Task) -> None:
         """Forget a task."""
-        self._count(task, -1)
         super().remove(task)
         del self.at[task.station][task.key]
+        self._changed(task.station)
 
     def set_missing(self, task: Task, missing: Iterable[int], seen: int) -> None:
         """Take over what a task really lacks after the event with number `seen`."""
-        self._count(task, -1)
         super().set_missing(task, missing, seen)
-        self._count(task, 1)
+        self._changed(task.station)
 
     def moved(self, key: Key, tile: int) -> None:
         """A tile was moved for a word or bundle."""
         task = self.tasks.get(key)
         if task is not None and tile in task.missing:
             task.missing.remove(tile)
-            if task.kind == DELIVER:
-                self.need[task.station, tile] -= 1
+
+    def need(self, station: int) -> Counts:
+        """Tiles that the words of a word station lack, shape (kinds,)."""
+        missing = [tile for task in self.at[station].values() for tile in task.missing]
+        return np.bincount(missing, minlength=self._kinds).astype(np.int16)
 
     def deliveries(self, station: int, contents: Counts) -> tuple[TileMove, ...]:
         """The moves by which a bucket serves a word station, the oldest word first.
@@ -80,9 +79,3 @@ class StationBook(TaskBook[Task]):
         """The moves by which a letter station fills a bucket, the oldest bundle first."""
         tiles = [TileMove(tile, task.job) for task in self.at[station].values() for tile in task.missing]
         return tuple(tiles[: max(0, room)])
-
-    def _count(self, task: Task, sign: int) -> None:
-        if task.kind == DELIVER:
-            for tile in task.missing:
-                self.need[task.station, tile] += sign
-        self._changed(task.station)

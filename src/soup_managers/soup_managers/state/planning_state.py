@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from soup_managers.state.contents import Contents, tiles_of
+from soup_managers.contents import Contents, tiles_of
 from soup_managers.state.jobs import StationBook
 from soup_managers.state.places import Mask, Places
 from soup_managers.state.robots import Activity, Purpose, Robot
@@ -117,7 +117,7 @@ class PlanningState:
         self.robot_xy = np.zeros((scenario.bots, 2))
         self.closed = np.zeros(len(self.docks), bool)
         self.bound: list[list[Robot]] = [[] for _ in self.docks]
-        self.tasks = StationBook(self.word_stations, len(self.docks), view.kinds, self.changed)
+        self.tasks = StationBook(len(self.docks), view.kinds, self.changed)
         self._word_transfer_s = scenario.word_station.transfer_s
         self._letter_transfer_s = scenario.letter_station.transfer_s
         self.to_words_s = np.min([traffic.times_to(dock) for dock in self.docks[: self.word_stations]], axis=0)
@@ -150,9 +150,10 @@ class PlanningState:
     @property
     def free_buckets(self) -> Mask:
         """Which buckets rest on storage spots and are in nobody's plans, shape (buckets,)."""
-        free = (self.view.bucket_bot < 0) & (self.view.spot_of >= 0)
-        free[[robot.load for robot in self.robots if robot.load >= 0]] = False
-        return free
+        free = np.append((self.view.bucket_bot < 0) & (self.view.spot_of >= 0), False)  # the last one: no bucket, -1
+        free[[robot.bucket for robot in self.robots]] = False
+        free[[robot.target for robot in self.robots]] = False
+        return free[:-1]
 
     # ---- times ---------------------------------------------------------------------------------------------
 
@@ -199,7 +200,7 @@ class PlanningState:
         return known
 
     def _look_ahead(self, station: int) -> tuple[float, NDArray[np.int64], Ints]:
-        need = self.tasks.need[station]
+        need = self.tasks.need(station)
         kinds = np.flatnonzero(need > 0)
         lack = need[kinds]
         ahead = 0
@@ -223,7 +224,7 @@ class PlanningState:
 
     def spare(self, station: int) -> Ints:
         """Tiles in buckets bound for a word station that its open words do not need, shape (kinds,)."""
-        left = self.tasks.need[station].copy()
+        left = self.tasks.need(station)
         spare = np.zeros(len(left), np.int32)
         for robot in self.bound[station]:
             there = self.stock.tiles[:, robot.load]
