@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from soup_msgs_py.kernel import kernel
+from soup_msgs_py.kernel import inlined, kernel
 from soup_msgs_py.warehouse.layout import Floats, Ints
 
 SAME_S = 1e-9  # moments that are closer are one: sums of times differ in their last digits
@@ -58,16 +58,27 @@ def conflicts(table: Reservations, bot: int, now: float) -> list[int]:
     return sorted(set(bots[meet].tolist()))
 
 
+@inlined
+def _shift(table, w, k, to):
+    """Write a hold of one waypoint over another."""
+    table.begin[w, to], table.end[w, to], table.bot[w, to] = table.begin[w, k], table.end[w, k], table.bot[w, k]
+
+
+@inlined
+def _take_out(table, w, k):
+    """Take a hold of one waypoint away."""
+    table.filled[w] -= 1
+    for m in range(k, table.filled[w]):
+        _shift(table, w, m + 1, m)
+
+
 @kernel
 def forget(table, w, before):
     """Drop what ended before a time from one waypoint."""
     kept = 0
-    count = table.filled[w]
-    for k in range(count):
+    for k in range(table.filled[w]):
         if table.end[w, k] >= before:
-            if kept < k:
-                table.begin[w, kept], table.end[w, kept] = table.begin[w, k], table.end[w, k]
-                table.bot[w, kept] = table.bot[w, k]
+            _shift(table, w, k, kept)
             kept += 1
     table.filled[w] = kept
 
@@ -75,38 +86,28 @@ def forget(table, w, before):
 @kernel
 def add(table, w, begin, end, bot):
     """Let a bot hold a waypoint; joined to what it holds there already. There must be room."""
-    count = table.filled[w]
-    for k in range(count):
+    for k in range(table.filled[w]):
         if table.bot[w, k] == bot and table.begin[w, k] <= end + SAME_S and table.end[w, k] >= begin - SAME_S:
             end = max(end, table.end[w, k])
             begin = min(begin, table.begin[w, k])
-            # take out what it is joined to
-            for m in range(k, count - 1):
-                table.begin[w, m], table.end[w, m] = table.begin[w, m + 1], table.end[w, m + 1]
-                table.bot[w, m] = table.bot[w, m + 1]
-            count -= 1
+            _take_out(table, w, k)
             break
     # put it where it belongs: begins ascend
-    k = count
+    k = table.filled[w]
     while k > 0 and table.begin[w, k - 1] > begin:
-        table.begin[w, k], table.end[w, k] = table.begin[w, k - 1], table.end[w, k - 1]
-        table.bot[w, k] = table.bot[w, k - 1]
+        _shift(table, w, k - 1, k)
         k -= 1
     table.begin[w, k], table.end[w, k], table.bot[w, k] = begin, end, bot
-    table.filled[w] = count + 1
+    table.filled[w] += 1
 
 
 @kernel
 def cut_standing(table, w, bot):
     """Take away the endless hold of a bot on a waypoint; when it began, infinite if there is none."""
-    count = table.filled[w]
-    for k in range(count):
+    for k in range(table.filled[w]):
         if table.bot[w, k] == bot and table.end[w, k] == np.inf:
             begin = table.begin[w, k]
-            for m in range(k, count - 1):
-                table.begin[w, m], table.end[w, m] = table.begin[w, m + 1], table.end[w, m + 1]
-                table.bot[w, m] = table.bot[w, m + 1]
-            table.filled[w] = count - 1
+            _take_out(table, w, k)
             return begin
     return np.inf
 
@@ -118,9 +119,7 @@ def forget_bot(table, bot, after):
         kept = 0
         for k in range(table.filled[w]):
             if table.bot[w, k] != bot or table.end[w, k] <= after:
-                if kept < k:
-                    table.begin[w, kept], table.end[w, kept] = table.begin[w, k], table.end[w, k]
-                    table.bot[w, kept] = table.bot[w, k]
+                _shift(table, w, k, kept)
                 kept += 1
         table.filled[w] = kept
 

@@ -60,30 +60,7 @@ def tree_to(roads, goal, deep, blocked):
     Returns:
         Seconds, shape (n,), infinite where no way leads; and the first edge of each way, -1 for none.
     """
-    n = len(roads.line)
-    time, first = np.full(n, np.inf), np.full(n, -1, np.int32)
-    keys, nodes = np.empty(len(roads.head) + 1), np.empty(len(roads.head) + 1, np.int32)
-    time[goal], keys[0], nodes[0], size = 0.0, 0.0, goal, 1
-    while size > 0:
-        key, node = keys[0], nodes[0]
-        drop_first(keys, nodes, size)
-        size -= 1
-        if key > time[node]:
-            continue
-        for k in range(roads.into[node], roads.into[node + 1]):
-            edge = roads.into_edge[k]
-            tail = roads.tail[edge]
-            if usable(roads, edge, Errand(goal, roads.line[tail], deep, blocked)):
-                there = key + roads.pace[edge]
-                if node != goal:
-                    there += stop_time(roads, edge, first[node])
-                if there < time[tail]:
-                    time[tail], first[tail] = there, edge
-                    push(keys, nodes, size, there, tail)
-                    size += 1
-    time += roads.max_speed / roads.max_acceleration  # to get going, and to stop at the end
-    time[goal] = 0.0
-    return time, first
+    return _tree(roads, goal, False, deep, blocked)
 
 
 @maker
@@ -93,30 +70,42 @@ def tree_from(roads, start, deep, blocked):
     Returns:
         Seconds, shape (n,), infinite where no way leads; and the last edge of each way, -1 for none.
     """
+    return _tree(roads, start, True, deep, blocked)
+
+
+@maker
+def _tree(roads, root, outward, deep, blocked):
+    """Quickest ways to a root or, outward, from it: seconds, and the edge at the other end of each way."""
     n = len(roads.line)
-    time, last = np.full(n, np.inf), np.full(n, -1, np.int32)
+    time, edges = np.full(n, np.inf), np.full(n, -1, np.int32)
     keys, nodes = np.empty(len(roads.head) + 1), np.empty(len(roads.head) + 1, np.int32)
-    time[start], keys[0], nodes[0], size = 0.0, 0.0, start, 1
+    time[root], keys[0], nodes[0], size = 0.0, 0.0, root, 1
+    starts = roads.out if outward else roads.into
     while size > 0:
         key, node = keys[0], nodes[0]
         drop_first(keys, nodes, size)
         size -= 1
-        if key > time[node] or (node != start and roads.spot[node] and (not deep or blocked[node])):
+        if key > time[node]:
             continue
-        for edge in range(roads.out[node], roads.out[node + 1]):
-            head = roads.head[edge]
-            goal = head if roads.kind[edge] == SPOT else -1
+        if outward and node != root and roads.spot[node] and (not deep or blocked[node]):
+            continue
+        for k in range(starts[node], starts[node + 1]):
+            edge = k if outward else roads.into_edge[k]
+            other = roads.head[edge] if outward else roads.tail[edge]
+            spot = other if roads.kind[edge] == SPOT else -1
+            goal, start = (spot, root) if outward else (root, other)
             if usable(roads, edge, Errand(goal, roads.line[start], deep, blocked)):
                 there = key + roads.pace[edge]
-                if node != start:
-                    there += stop_time(roads, last[node], edge)
-                if there < time[head]:
-                    time[head], last[head] = there, edge
-                    push(keys, nodes, size, there, head)
+                if node != root:
+                    before, after = (edges[node], edge) if outward else (edge, edges[node])
+                    there += stop_time(roads, before, after)
+                if there < time[other]:
+                    time[other], edges[other] = there, edge
+                    push(keys, nodes, size, there, other)
                     size += 1
-    time += roads.max_speed / roads.max_acceleration
-    time[start] = 0.0
-    return time, last
+    time += roads.max_speed / roads.max_acceleration  # to get going, and to stop at the end
+    time[root] = 0.0
+    return time, edges
 
 
 @kernel
