@@ -20,45 +20,45 @@ from soup_managers.decisions.storage import StorageChoice
 class Fullest(BucketChoice):
     """For a word station: of the buckets that hold a tile that it needs the fullest; it may serve more words."""
 
-    def score(self, situation, want):
+    def score(self, state, want):
         """The highest is fetched, none that is not above 0."""
-        return np.where(want.tiles > 0, situation.stock.total, 0.0)
+        return np.where(want.tiles > 0, state.stock.total, 0.0)
 
 
 class Mixed(FillChoice):
     """At a letter station: the bucket that holds the fewest of the kinds that are staged there, to mix them."""
 
-    def score(self, situation, fill):
+    def score(self, state, fill):
         """The highest is fetched, none that is not above 0."""
-        there = situation.stock.tiles[fill.tiles].sum(axis=0) if len(fill.tiles) else 0
+        there = state.stock.tiles[fill.tiles].sum(axis=0) if len(fill.tiles) else 0
         return fill.room / (1.0 + there)
 
 
 class Rested(BotChoice):
     """The bot that has stood longest, as far as its last drive tells."""
 
-    def cost(self, situation, bots, place):
+    def cost(self, state, bots, place):
         """The least fetches the bucket."""
-        return np.array([situation.robots[bot].arrives for bot in bots.tolist()])
+        return np.array([state.robots[bot].arrives for bot in bots.tolist()])
 
 
 class BesideTheDock(StorageChoice):
     """Where the bucket is near to all word stations together."""
 
-    def cost(self, situation, bucket, spots, travel_s):
+    def cost(self, state, bucket, spots, travel_s):
         """The least is taken."""
-        stations = range(situation.word_stations)
-        ways = [situation.traffic.times_to(situation.docks[station])[spots] for station in stations]
+        stations = range(state.word_stations)
+        ways = [state.traffic.times_to(state.docks[station])[spots] for station in stations]
         return travel_s + np.mean(ways, axis=0)
 
 
 class OneMore(OnwardChoice):
     """From a letter station to the word station that the bucket serves best; from a word station into storage."""
 
-    def score(self, situation, robot):
+    def score(self, state, robot):
         """The highest above 0 that has room is next; none: into storage."""
-        scores = np.zeros(len(situation.docks))
-        if robot.station >= situation.word_stations:
-            for station in situation.short_word_stations():
-                scores[station] = situation.serves(robot.bucket, station)
+        scores = np.zeros(len(state.docks))
+        if robot.station >= state.word_stations:
+            for station in state.short_word_stations():
+                scores[station] = state.serves(robot.bucket, station)
         return scores

@@ -44,7 +44,7 @@ def is_as_the_world(view: WarehouseView, run: Headless) -> None:
 
 def agrees_with_itself(fleet: CoordinatedFleet) -> None:
     """What the fleet counts of bots is what they say."""
-    state, view = fleet.situation, fleet.view
+    state, view = fleet.state, fleet.view
     waypoints = [robot.waypoint for robot in state.robots if robot.waypoint >= 0]
     np.testing.assert_array_equal(state.places.taken, np.bincount(waypoints, minlength=len(state.layout.waypoints)))
     np.testing.assert_array_equal(state.robot_xy[: len(waypoints)], state.layout.waypoints[waypoints])
@@ -82,7 +82,7 @@ def test_a_bucket_that_a_person_has_lifted_and_set_down_is_free_again():
     run.run(1.0)
     fleet = run.fleet
     assert isinstance(fleet, CoordinatedFleet)
-    state, view = fleet.situation, fleet.view
+    state, view = fleet.state, fleet.view
     bucket = int(np.flatnonzero(state.free_buckets)[0])
     bot = next(robot.number for robot in state.robots if robot.bucket < 0)
     x, y = view.bucket_x[bucket], view.bucket_y[bucket]

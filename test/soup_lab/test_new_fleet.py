@@ -133,7 +133,7 @@ def test_a_new_fleet_knows_at_once_where_everybody_is_though_all_minds_are_new(s
         take_over(run, 0.0)
         run.run(run.world.now + 2.0)
         fleet: Any = run.fleet
-        assert not any(robot.activity is Activity.UNKNOWN for robot in fleet.situation.robots)
+        assert not any(robot.activity is Activity.UNKNOWN for robot in fleet.state.robots)
     run.run(400.0)
     all_is_well(run)
 
@@ -146,15 +146,15 @@ def test_who_does_not_hear_that_it_is_to_stop_still_has_its_way(seed: int, monke
         run.run(60.0 * k)
         run.kill(range(k % 4, 40, 4), noticed=False)
         now = run.world.now
-        on_its_way = [robot for robot in fleet.situation.robots if robot.arrives > now + 5.0]
+        on_its_way = [robot for robot in fleet.state.robots if robot.arrives > now + 5.0]
         deaf = [robot.number for robot in on_its_way if robot.number not in run.crew.minds]
         with monkeypatch.context() as patch:
             patch.setattr(fleet._traffic, "conflicts", lambda bot, _now, deaf=deaf: deaf if bot not in deaf else [])
-            fleet._recovery._stop_others(fleet.situation.robots[(k + 1) % 4], now)
+            fleet._recovery._stop_others(fleet.state.robots[(k + 1) % 4], now)
         run._say(fleet, fleet.step(now))
         assert fleet._recovery.halted.issuperset(deaf)
         run.run(now + 30.0)
-        halted = [fleet.situation.robots[bot] for bot in fleet._recovery.halted]
+        halted = [fleet.state.robots[bot] for bot in fleet._recovery.halted]
         assert not any(robot.activity is Activity.DRIVES for robot in halted)
         run.revive(range(k % 4, 40, 4))
     run.run(700.0)
@@ -237,7 +237,7 @@ def test_bots_that_drive_for_an_earlier_fleet_may_die_once_more():
         run.run(40.0 * k)
         take_over(run, 0.0)
         fleet: Any = run.fleet
-        adopted = [robot for robot in fleet.situation.robots if robot.adopted]
+        adopted = [robot for robot in fleet.state.robots if robot.adopted]
         assert adopted
         for robot in adopted:
             gone = m.DriveResult(robot.number, robot.order, Code.STOPPED, "who was asked is gone")

@@ -36,27 +36,27 @@ class NoSuchTile(LetterPolicy):
         return AssignBundle(stations[0], tile=10_000)
 
 class NoBuckets(BucketChoice):
-    def score(self, situation, want):
+    def score(self, state, want):
         return np.full(len(want.tiles), np.nan)
 
 class FewBuckets(BucketChoice):
-    def score(self, situation, want):
+    def score(self, state, want):
         return [1.0]
 
 class NoBots(BotChoice):
-    def match(self, situation, bots, places):
+    def match(self, state, bots, places):
         return []
 
-    def cost(self, situation, bots, place):
+    def cost(self, state, bots, place):
         return bots
 
 class NoSpot(NearestSpot):
-    def cost(self, situation, bucket, spots, travel_s):
-        return super().cost(situation, bucket, spots, travel_s) * np.nan
+    def cost(self, state, bucket, spots, travel_s):
+        return super().cost(state, bucket, spots, travel_s) * np.nan
 
 class NoOnward(ServeOn):
-    def score(self, situation, robot):
-        return super().score(situation, robot) * np.nan
+    def score(self, state, robot):
+        return super().score(state, robot) * np.nan
 
 class NoVelocity(Steering):
     def steer_one(self, me, neighbours, limits):

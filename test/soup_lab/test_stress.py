@@ -59,7 +59,7 @@ class Stress:
 
     def why(self) -> str:
         """What everybody waits for."""
-        bots = [f"{r.number}: {r.activity.value} {r.purpose.value} {r.note}" for r in self.fleet.situation.robots]
+        bots = [f"{r.number}: {r.activity.value} {r.purpose.value} {r.note}" for r in self.fleet.state.robots]
         return "\n".join([*bots, *(task.message for task in self.fleet.tasks())])
 
 

@@ -19,11 +19,11 @@ class BotChoice(ABC):
     """
 
     @abstractmethod
-    def cost(self, situation: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
+    def cost(self, state: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
         """What it costs that each idle bot fetches the bucket at a place; the least is taken.
 
         Args:
-            situation: The warehouse.
+            state: The warehouse.
             bots: Numbers of the idle bots, ascending, shape (n,).
             place: Where the bucket rests (m).
 
@@ -31,15 +31,15 @@ class BotChoice(ABC):
             Costs, shape (n,).
         """
 
-    def match(self, situation: PlanningState, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
+    def match(self, state: PlanningState, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
         """Costs for several buckets that need bots of their own; override it to decide jointly."""
-        return [self.cost(situation, bots, place) for place in places]
+        return [self.cost(state, bots, place) for place in places]
 
 
 class FirstBot(BotChoice):
     """The first idle bot."""
 
-    def cost(self, situation: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
+    def cost(self, state: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
         """The bot's number."""
         return bots.astype(np.float64)
 
@@ -47,18 +47,18 @@ class FirstBot(BotChoice):
 class NearestBot(BotChoice):
     """The nearest idle bot, along the aisles."""
 
-    def cost(self, situation: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
+    def cost(self, state: PlanningState, bots: Ints, place: tuple[float, float]) -> Floats:
         """Distance along x and y (m)."""
-        away = np.abs(situation.robot_xy[bots] - place)
+        away = np.abs(state.robot_xy[bots] - place)
         return away[:, 0] + away[:, 1]
 
 
 class Assignment(NearestBot):
     """The bots that drive least altogether, for all buckets that are to be fetched at once."""
 
-    def match(self, situation: PlanningState, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
+    def match(self, state: PlanningState, bots: Ints, places: Sequence[tuple[float, float]]) -> list[Floats]:
         """Each bucket's bot in the assignment comes first."""
-        costs = np.array([self.cost(situation, bots, place) for place in places])
+        costs = np.array([self.cost(state, bots, place) for place in places])
         rows, columns = linear_sum_assignment(costs)
         for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
             costs[row, column] -= 1e6

@@ -17,16 +17,16 @@ class BucketChoice(ABC):
 
     Example:
         class Fullest(BucketChoice):
-            def score(self, situation, want):
-                return np.where(want.tiles > 0, situation.stock.total, 0.0)
+            def score(self, state, want):
+                return np.where(want.tiles > 0, state.stock.total, 0.0)
     """
 
     @abstractmethod
-    def score(self, situation: PlanningState, want: Want) -> Floats:
+    def score(self, state: PlanningState, want: Want) -> Floats:
         """How good each bucket is for a station.
 
         Args:
-            situation: The warehouse.
+            state: The warehouse.
             want: The station, how many of its uncovered tiles each bucket holds, and how far each is.
 
         Returns:
@@ -34,15 +34,15 @@ class BucketChoice(ABC):
             out afterwards.
         """
 
-    def match(self, situation: PlanningState, wants: Sequence[Want]) -> list[Floats]:
+    def match(self, state: PlanningState, wants: Sequence[Want]) -> list[Floats]:
         """Scores for several stations that may not take the same bucket; override it to decide jointly."""
-        return [self.score(situation, want) for want in wants]
+        return [self.score(state, want) for want in wants]
 
 
 class FirstBucket(BucketChoice):
     """The first bucket that holds a tile that is needed."""
 
-    def score(self, situation: PlanningState, want: Want) -> Floats:
+    def score(self, state: PlanningState, want: Want) -> Floats:
         """All that serve are alike; of equals the first is taken."""
         return np.where(want.tiles > 0, 1.0, 0.0)
 
@@ -50,7 +50,7 @@ class FirstBucket(BucketChoice):
 class NearestBucket(BucketChoice):
     """Of the buckets that hold a tile that is needed the nearest to the station."""
 
-    def score(self, situation: PlanningState, want: Want) -> Floats:
+    def score(self, state: PlanningState, want: Want) -> Floats:
         """Less travel is better."""
         return np.where(want.tiles > 0, 1.0 / (1.0 + want.travel_s), 0.0)
 
@@ -58,7 +58,7 @@ class NearestBucket(BucketChoice):
 class MostTiles(BucketChoice):
     """The bucket that holds most of the tiles that are needed."""
 
-    def score(self, situation: PlanningState, want: Want) -> Floats:
+    def score(self, state: PlanningState, want: Want) -> Floats:
         """Tiles of the visit (its pile-on)."""
         return want.tiles.astype(np.float64)
 
@@ -75,9 +75,9 @@ class MostTilesPerSecond(BucketChoice):
     def __init__(self, overhead_s: float = 15.0, travel_weight: float = 0.3, late_weight: float = 1.0) -> None:
         self._overhead_s, self._travel_weight, self._late_weight = overhead_s, travel_weight, late_weight
 
-    def score(self, situation: PlanningState, want: Want) -> Floats:
+    def score(self, state: PlanningState, want: Want) -> Floats:
         """Tiles over seconds."""
-        late_s = np.maximum(0.0, want.travel_s + situation.fetch_s - want.ahead_s)
+        late_s = np.maximum(0.0, want.travel_s + state.fetch_s - want.ahead_s)
         cost_s = want.tiles * want.transfer_s + self._overhead_s
         return want.tiles / (cost_s + self._travel_weight * want.travel_s + self._late_weight * late_s)
 
@@ -85,10 +85,10 @@ class MostTilesPerSecond(BucketChoice):
 class JointBuckets(MostTilesPerSecond):
     """As `most_tiles_per_second`, but for all stations that want a bucket at once: the best assignment."""
 
-    def match(self, situation: PlanningState, wants: Sequence[Want]) -> list[Floats]:
+    def match(self, state: PlanningState, wants: Sequence[Want]) -> list[Floats]:
         """Each station's bucket in the assignment comes first; the others stay behind it in their order."""
-        scores = np.array([self.score(situation, want) for want in wants])
-        scores[:, ~situation.free_buckets] = 0.0
+        scores = np.array([self.score(state, want) for want in wants])
+        scores[:, ~state.free_buckets] = 0.0
         rows, columns = linear_sum_assignment(scores, maximize=True)
         for row, column in zip(rows.tolist(), columns.tolist(), strict=True):
             if scores[row, column] > 0.0:

@@ -14,11 +14,11 @@ class FillChoice(ABC):
     """Scores buckets for a letter station that runs out of buckets to fill. Extend it and implement `score`."""
 
     @abstractmethod
-    def score(self, situation: PlanningState, fill: Fill) -> Floats:
+    def score(self, state: PlanningState, fill: Fill) -> Floats:
         """How good each bucket is for the tiles that are staged at a station.
 
         Args:
-            situation: The warehouse.
+            state: The warehouse.
             fill: The station, its staged tiles, the room in each bucket and how far each is.
 
         Returns:
@@ -30,9 +30,9 @@ class FillChoice(ABC):
 class RandomFill(FillChoice):
     """Any bucket."""
 
-    def score(self, situation: PlanningState, fill: Fill) -> Floats:
+    def score(self, state: PlanningState, fill: Fill) -> Floats:
         """Random numbers."""
-        return 1.0 - situation.rng.random(len(fill.room))
+        return 1.0 - state.rng.random(len(fill.room))
 
 
 class Emptiest(FillChoice):
@@ -46,7 +46,7 @@ class Emptiest(FillChoice):
     def __init__(self, overhead_s: float = 15.0, travel_weight: float = 0.3) -> None:
         self._overhead_s, self._travel_weight = overhead_s, travel_weight
 
-    def score(self, situation: PlanningState, fill: Fill) -> Floats:
+    def score(self, state: PlanningState, fill: Fill) -> Floats:
         """Room over seconds."""
         cost_s = fill.room * fill.transfer_s + self._overhead_s + self._travel_weight * fill.travel_s
         return fill.room / cost_s
@@ -55,7 +55,7 @@ class Emptiest(FillChoice):
 class NearestWithRoom(FillChoice):
     """The nearest bucket with room."""
 
-    def score(self, situation: PlanningState, fill: Fill) -> Floats:
+    def score(self, state: PlanningState, fill: Fill) -> Floats:
         """Less travel is better."""
         return 1.0 / (1.0 + fill.travel_s)
 
@@ -66,11 +66,11 @@ class Popular(FillChoice):
     The popularity of a kind is its share in all tiles that there are.
     """
 
-    def score(self, situation: PlanningState, fill: Fill) -> Floats:
+    def score(self, state: PlanningState, fill: Fill) -> Floats:
         """How popular the tiles of a bucket are on average, signed by how popular the staged ones are."""
-        share = situation.kind_share
+        share = state.kind_share
         staged = float(share[fill.tiles].mean()) if len(fill.tiles) else 0.0
-        mean = share @ situation.stock.tiles / np.maximum(1, situation.stock.total)
+        mean = share @ state.stock.tiles / np.maximum(1, state.stock.total)
         like = mean if staged >= float(share @ share) else -mean
         return 1.0 + like - like.min()
 
@@ -81,7 +81,7 @@ class Association(FillChoice):
     Two kinds are associated as often as they are in one of the words that wait or are open.
     """
 
-    def score(self, situation: PlanningState, fill: Fill) -> Floats:
+    def score(self, state: PlanningState, fill: Fill) -> Floats:
         """How often the tiles of a bucket are wanted in one word with the staged ones."""
-        wanted = situation.wanted_with(fill.tiles)
-        return 1e-6 + wanted @ np.minimum(situation.stock.tiles, 2)
+        wanted = state.wanted_with(fill.tiles)
+        return 1e-6 + wanted @ np.minimum(state.stock.tiles, 2)

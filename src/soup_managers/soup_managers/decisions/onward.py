@@ -15,11 +15,11 @@ class OnwardChoice(ABC):
     """Scores stations as the next stop of a bucket that is on a bot. Extend it and implement `score`."""
 
     @abstractmethod
-    def score(self, situation: PlanningState, robot: Robot) -> Floats:
+    def score(self, state: PlanningState, robot: Robot) -> Floats:
         """How good each station is as the next stop.
 
         Args:
-            situation: The warehouse.
+            state: The warehouse.
             robot: The bot, with its bucket, where it stands.
 
         Returns:
@@ -31,9 +31,9 @@ class OnwardChoice(ABC):
 class AlwaysStore(OnwardChoice):
     """One station a trip: the bucket goes into storage."""
 
-    def score(self, situation: PlanningState, robot: Robot) -> Floats:
+    def score(self, state: PlanningState, robot: Robot) -> Floats:
         """Nothing above 0."""
-        return np.zeros(len(situation.docks))
+        return np.zeros(len(state.docks))
 
 
 class ServeOn(OnwardChoice):
@@ -48,18 +48,18 @@ class ServeOn(OnwardChoice):
     def __init__(self, least_tiles: float = 0.2, least_room: float = 0.4, overhead_s: float = 15.0) -> None:
         self._least_tiles, self._least_room, self._overhead_s = least_tiles, least_room, overhead_s
 
-    def score(self, situation: PlanningState, robot: Robot) -> Floats:
+    def score(self, state: PlanningState, robot: Robot) -> Floats:
         """Word stations above 1, letter stations below."""
-        scores = np.zeros(len(situation.docks))
-        least_tiles, least_room = situation.tiles_of(self._least_tiles), situation.tiles_of(self._least_room)
-        for station in situation.short_word_stations():
-            tiles = situation.serves(robot.bucket, station)
+        scores = np.zeros(len(state.docks))
+        least_tiles, least_room = state.tiles_of(self._least_tiles), state.tiles_of(self._least_room)
+        for station in state.short_word_stations():
+            tiles = state.serves(robot.bucket, station)
             if tiles >= least_tiles:
-                travel_s = situation.travel_s(robot.waypoint, station)
-                cost_s = tiles * situation.transfer_s(station) + travel_s + self._overhead_s
+                travel_s = state.travel_s(robot.waypoint, station)
+                cost_s = tiles * state.transfer_s(station) + travel_s + self._overhead_s
                 scores[station] = 1.0 + tiles / cost_s
-        if not scores.any() and situation.room(robot.bucket) >= least_room:
-            for station in situation.short_letter_stations():
-                wait_s = situation.ahead_s(station) + situation.travel_s(robot.waypoint, station)
+        if not scores.any() and state.room(robot.bucket) >= least_room:
+            for station in state.short_letter_stations():
+                wait_s = state.ahead_s(station) + state.travel_s(robot.waypoint, station)
                 scores[station] = 1.0 / (1.0 + wait_s)
         return scores

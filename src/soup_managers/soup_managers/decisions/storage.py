@@ -15,11 +15,11 @@ class StorageChoice(ABC):
     """Scores free storage spots for a bucket. Extend it and implement `cost`."""
 
     @abstractmethod
-    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, state: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """What it costs to store a bucket on each free spot; the least is taken.
 
         Args:
-            situation: The warehouse.
+            state: The warehouse.
             bucket: The bucket.
             spots: Free storage spots, as waypoints, shape (n,).
             travel_s: The way there from where the bucket is (s), shape (n,).
@@ -32,24 +32,24 @@ class StorageChoice(ABC):
 class Fixed(StorageChoice):
     """Every bucket has its place: where it stood at the start."""
 
-    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, state: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Distance from the bucket's first place."""
-        away = np.abs(situation.layout.waypoints[spots] - situation.first_place[bucket])
+        away = np.abs(state.layout.waypoints[spots] - state.first_place[bucket])
         return away[:, 0] + away[:, 1]
 
 
 class RandomSpot(StorageChoice):
     """Any free spot."""
 
-    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, state: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Random numbers."""
-        return situation.rng.random(len(spots))
+        return state.rng.random(len(spots))
 
 
 class NearestSpot(StorageChoice):
     """The nearest free spot."""
 
-    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, state: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Travel time."""
         return travel_s
 
@@ -64,9 +64,9 @@ class NearWords(StorageChoice):
     def __init__(self, weight: float = 3.0) -> None:
         self._weight = weight
 
-    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, state: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Seconds, weighted."""
-        return travel_s + self._weight * situation.to_words_s[spots]
+        return travel_s + self._weight * state.to_words_s[spots]
 
 
 class PopularityZones(StorageChoice):
@@ -79,10 +79,10 @@ class PopularityZones(StorageChoice):
     def __init__(self, weight: float = 3.0) -> None:
         self._weight = weight
 
-    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, state: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Seconds, weighted by how full the bucket is."""
-        full = float(situation.stock.total[bucket]) / situation.stock.capacity
-        return travel_s + self._weight * full * situation.to_words_s[spots]
+        full = float(state.stock.total[bucket]) / state.stock.capacity
+        return travel_s + self._weight * full * state.to_words_s[spots]
 
 
 class StationCache(NearWords):
@@ -92,10 +92,10 @@ class StationCache(NearWords):
         weight: As for `near_words`.
     """
 
-    def cost(self, situation: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
+    def cost(self, state: PlanningState, bucket: int, spots: Counts, travel_s: Floats) -> Floats:
         """Seconds, weighted."""
-        serves = [situation.serves(bucket, station) for station in range(situation.word_stations)]
+        serves = [state.serves(bucket, station) for station in range(state.word_stations)]
         best = int(np.argmax(serves))
         if serves[best] == 0:
-            return super().cost(situation, bucket, spots, travel_s)
-        return travel_s + self._weight * situation.traffic.times_to(situation.docks[best])[spots]
+            return super().cost(state, bucket, spots, travel_s)
+        return travel_s + self._weight * state.traffic.times_to(state.docks[best])[spots]

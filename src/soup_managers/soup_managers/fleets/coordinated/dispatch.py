@@ -30,7 +30,7 @@ class Dispatch:
 
     def __init__(
         self,
-        situation: PlanningState,
+        state: PlanningState,
         policy: Coordinated,
         queues: DockQueues,
         barrier: StartupBarrier,
@@ -43,7 +43,7 @@ class Dispatch:
         """Begin with nothing decided.
 
         Args:
-            situation: The bots, buckets and stations.
+            state: The bots, buckets and stations.
             policy: Its decisions.
             queues: The lines of stations.
             barrier: Whether bots may be sent about yet.
@@ -53,13 +53,13 @@ class Dispatch:
             explain: Is told the decisions.
             mistakes: Is told what the policy decides that cannot be.
         """
-        self._situation, self._traffic, self._places = situation, situation.traffic, situation.places
+        self._state, self._traffic, self._places = state, state.traffic, state.places
         self._policy, self._queues, self._barrier, self._moves = policy, queues, barrier, moves
         self._docking, self._digging, self._explain = docking, digging, explain
-        self._fetching = Fetching(situation, policy, digging, explain, mistakes)
+        self._fetching = Fetching(state, policy, digging, explain, mistakes)
         self._onward_scores = Scores(mistakes, "onward", policy.onward, 0.0)
         self._storage_costs = Scores(mistakes, "storage", policy.storage, np.inf)
-        self._kept_free = np.zeros(len(situation.layout.waypoints), bool)
+        self._kept_free = np.zeros(len(state.layout.waypoints), bool)
         self._kept_free[[spot for spots in docking.spots for spot in spots]] = True
 
     def onward(self, robot: Robot, now: float) -> None:
@@ -77,7 +77,7 @@ class Dispatch:
             if tiles:
                 self._moves.serve(robot, station, tiles, now)
                 return
-            if not self._situation.is_word_station(station) and self._worth_waiting(robot, now):
+            if not self._state.is_word_station(station) and self._worth_waiting(robot, now):
                 self._moves.later(robot, now, "waits for a bundle")
                 return
         if not self._serve_on(robot, now):
@@ -85,10 +85,10 @@ class Dispatch:
 
     def _tiles(self, robot: Robot, station: int) -> tuple[TileMove, ...]:
         """The tiles that can be moved between a bot's bucket and a station."""
-        situation = self._situation
-        if situation.is_word_station(station):
-            return situation.tasks.deliveries(station, situation.stock.of(robot.bucket))
-        return situation.tasks.fillings(station, situation.room(robot.bucket))
+        state = self._state
+        if state.is_word_station(station):
+            return state.tasks.deliveries(station, state.stock.of(robot.bucket))
+        return state.tasks.fillings(station, state.room(robot.bucket))
 
     def _serves_where_it_stands(self, robot: Robot) -> bool:
         """Have a bot serve at the dock where it stands, if that is free and its bucket is of use; whether so."""
@@ -102,12 +102,12 @@ class Dispatch:
 
     def _worth_waiting(self, robot: Robot, now: float) -> bool:
         """Whether a bucket stays for a while at a letter station that has nothing for it just now."""
-        room = self._situation.room(robot.bucket)
-        return robot.blocked(now) <= WAITS_S and room > KEEP_ROOM * self._situation.stock.capacity
+        room = self._state.room(robot.bucket)
+        return robot.blocked(now) <= WAITS_S and room > KEEP_ROOM * self._state.stock.capacity
 
     def _serve_on(self, robot: Robot, now: float) -> bool:
-        scores = self._policy.onward.score(self._situation, robot)
-        scores = self._onward_scores.of(scores, len(self._situation.docks))
+        scores = self._policy.onward.score(self._state, robot)
+        scores = self._onward_scores.of(scores, len(self._state.docks))
         station = self._docking.send_to_best(robot, scores, now)
         self._explain.choice("onward", station, scores, bot=robot.number, bucket=robot.bucket)
         return station >= 0
@@ -122,7 +122,7 @@ class Dispatch:
             self._moves.later(robot, now, "no storage spot is free")
             return
         travel = self._traffic.times_from(robot.waypoint)[spots]
-        costs = self._policy.storage.cost(self._situation, robot.bucket, spots, travel)
+        costs = self._policy.storage.cost(self._state, robot.bucket, spots, travel)
         costs = self._storage_costs.of(costs, len(spots)) + BURIED_S * self._digging.buried(spots)
         costs = np.where(np.isfinite(travel), costs, np.inf)
         chosen = -1
@@ -169,7 +169,7 @@ class Dispatch:
     def _send_for(self, fetch: Fetch, now: float) -> None:
         """Have a bot fetch a bucket; where it cannot get there now, the bucket is left alone for a while."""
         robot, bucket = fetch.robot, fetch.wanted.bucket
-        spot = int(self._situation.spot_of[bucket])
+        spot = int(self._state.spot_of[bucket])
         if not self._moves.go(robot, spot, now, Purpose.FETCH, target=bucket):
             self._fetching.unreachable(bucket, now)
             return

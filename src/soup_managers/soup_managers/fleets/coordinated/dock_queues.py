@@ -23,14 +23,14 @@ class DockQueues:
         bound_changed: Whether others are bound for stations than when this was set to False.
     """
 
-    def __init__(self, situation: PlanningState, places: Sequence[Sequence[int]]) -> None:
+    def __init__(self, state: PlanningState, places: Sequence[Sequence[int]]) -> None:
         """Begin with nobody in the lines.
 
         Args:
-            situation: Knows who is bound for a station.
+            state: Knows who is bound for a station.
             places: The waypoints of each station's line, the dock first.
         """
-        self._situation = situation
+        self._state = state
         self.places = places
         self.moved: set[int] = set()
         self.bound_changed = False
@@ -60,10 +60,10 @@ class DockQueues:
         It comes behind all who are there before it, and before those who arrive later. One that comes from far
         takes the hindmost: others may be served before it is there.
         """
-        if self._situation.closed[station]:
+        if self._state.closed[station]:
             return -1
         line = self._who[station]
-        travel = self._situation.travel_s(robot.waypoint, station)
+        travel = self._state.travel_s(robot.waypoint, station)
         low, high = 0, len(line)
         for slot, other in enumerate(line):
             if other is None:
@@ -79,7 +79,7 @@ class DockQueues:
     def bind(self, robot: Robot, station: int) -> None:
         """A bot is bound for a station, and has no place in its line yet."""
         robot.takes_place(station, -1)
-        self._situation.bound[station].append(robot)
+        self._state.bound[station].append(robot)
         self._changed(station)
 
     def unbind(self, robot: Robot) -> None:
@@ -87,7 +87,7 @@ class DockQueues:
         station = robot.station
         if station < 0:
             return
-        self._situation.bound[station].remove(robot)
+        self._state.bound[station].remove(robot)
         self._changed(station)
         if robot.slot >= 0:
             self._who[station][robot.slot] = None
@@ -117,7 +117,7 @@ class DockQueues:
             self.put(robot, slot)
 
     def _changed(self, station: int) -> None:
-        self._situation.changed(station)
+        self._state.changed(station)
         self.bound_changed = True
 
 

@@ -21,22 +21,22 @@ class Docking:
         spots: Storage spots near each station, which are kept for buckets that wait for a place in its line.
     """
 
-    def __init__(self, situation: PlanningState, digging: Digging, queues: DockQueues, moves: Moves) -> None:
+    def __init__(self, state: PlanningState, digging: Digging, queues: DockQueues, moves: Moves) -> None:
         """Begin with nobody in the lines.
 
         Args:
-            situation: The bots, buckets and stations.
+            state: The bots, buckets and stations.
             digging: Knows which spots a bot with a bucket gets to.
             queues: The lines of stations.
             moves: Sends bots.
         """
-        self._situation, self._traffic, self._places = situation, situation.traffic, situation.places
+        self._state, self._traffic, self._places = state, state.traffic, state.places
         self._digging, self._queues, self._moves = digging, queues, moves
-        self.spots = spots_near(situation.docks, self._places.spots, self._traffic)
+        self.spots = spots_near(state.docks, self._places.spots, self._traffic)
 
     def move_up(self, station: int, now: float) -> None:
         """Move a station's line up, and let those who wait for a place in it come."""
-        queues, closed = self._queues, bool(self._situation.closed[station])
+        queues, closed = self._queues, bool(self._state.closed[station])
         places = queues.places[station]
         while (gap := queues.gap(station)) is not None:
             slot, robot = gap
@@ -45,8 +45,8 @@ class Docking:
             if not self._take_place(robot, slot, now, "waits to move up"):
                 break
         waiting = [
-            (self._situation.travel_s(robot.waypoint, station), robot.number, robot)
-            for robot in self._situation.bound[station]
+            (self._state.travel_s(robot.waypoint, station), robot.number, robot)
+            for robot in self._state.bound[station]
             if robot.slot < 0 and robot.activity is Activity.STANDS and robot.bucket >= 0
         ]
         waiting.sort()
@@ -59,14 +59,14 @@ class Docking:
         if closed:
             return
         waiting = [entry for entry in waiting if entry[2].station == station]
-        crowded = len(self._situation.bound[station]) > len(places)
+        crowded = len(self._state.bound[station]) > len(places)
         for travel, _, robot in waiting:
             if crowded and travel > FAR_S and self._come_near(robot, station, now):
                 continue
             slot = queues.slot_for(robot, station, now)
             if slot < 0:
                 continue
-            why = f"no way leads to {self._situation.layout.station_name(station)} now"
+            why = f"no way leads to {self._state.layout.station_name(station)} now"
             if not self._take_place(robot, slot, now, why):
                 robot.blocked(now)
 

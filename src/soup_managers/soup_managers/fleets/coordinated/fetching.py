@@ -56,15 +56,15 @@ class Fetching:
     """Matches stations that run out of work with buckets, and those with idle bots, by the policies' scores."""
 
     def __init__(
-        self, situation: PlanningState, policy: Coordinated, digging: Digging, explain: Explain, mistakes: Mistakes
+        self, state: PlanningState, policy: Coordinated, digging: Digging, explain: Explain, mistakes: Mistakes
     ) -> None:
-        self._situation, self._policy, self._digging = situation, policy, digging
+        self._state, self._policy, self._digging = state, policy, digging
         self._bot_costs = Scores(mistakes, "bots", policy.bots, np.inf)
         self._bucket_scores = Scores(mistakes, "buckets", policy.buckets, 0.0)
         self._fill_scores = Scores(mistakes, "fills", policy.fills, 0.0)
         self._explain = explain
         self._diggers: dict[int, Robot] = {}  # who clears the way to a bucket, by the station that wants it
-        self._not_before = np.zeros(situation.view.scenario.buckets)  # when each bucket may be thought of again (s)
+        self._not_before = np.zeros(state.view.scenario.buckets)  # when each bucket may be thought of again (s)
 
     def unreachable(self, bucket: int, now: float) -> None:
         """No way led to a bucket."""
@@ -72,12 +72,12 @@ class Fetching:
 
     def choose(self, now: float) -> list[Fetch]:
         """The buckets to fetch now, at most one for each station that is short, as far as idle bots go."""
-        situation = self._situation
-        idle = situation.idle_bots()
+        state = self._state
+        idle = state.idle_bots()
         if not idle:
             return []
-        short = [(situation.ahead_s(station), station) for station in situation.short_word_stations()]
-        short += [(situation.ahead_s(station), station) for station in situation.short_letter_stations()]
+        short = [(state.ahead_s(station), station) for station in state.short_word_stations()]
+        short += [(state.ahead_s(station), station) for station in state.short_letter_stations()]
         wanted = self._choose_buckets(self._demands([station for _, station in sorted(short)], len(idle), now), idle)
         fetches = self._choose_bots(wanted, idle, now)
         self._diggers |= {fetch.wanted.station: fetch.robot for fetch in fetches if fetch.wanted.digs}
@@ -85,7 +85,7 @@ class Fetching:
 
     def dig_out(self, spot: int, now: float) -> Fetch | None:
         """Move the first bucket that is in the way out of a spot; None where that cannot be, or is under way."""
-        idle = self._situation.idle_bots()
+        idle = self._state.idle_bots()
         bucket = self._outermost(spot)
         if bucket < 0 or not self._is_reachable(bucket, idle):
             return None
@@ -95,14 +95,14 @@ class Fetching:
 
     def _choose_bots(self, wanted: list[Wanted], idle: list[int], now: float) -> list[Fetch]:
         """A bot for each bucket, as far as they go; who stands under a bucket fetches it, nobody else could."""
-        situation = self._situation
-        under = {situation.robots[bot].waypoint: bot for bot in idle}
+        state = self._state
+        under = {state.robots[bot].waypoint: bot for bot in idle}
         fetches, others = [], []
         free = np.ones(len(idle), bool)
         for want in wanted:
-            bot = under.get(int(situation.spot_of[want.bucket]), -1)
+            bot = under.get(int(state.spot_of[want.bucket]), -1)
             if bot >= 0:
-                fetches.append(Fetch(situation.robots[bot], want))
+                fetches.append(Fetch(state.robots[bot], want))
                 free[idle.index(bot)] = False
             else:
                 others.append(want)
@@ -113,7 +113,7 @@ class Fetching:
         places = [self._spot_xy(want.bucket) for want in others]
         if not len(bots):
             return fetches
-        costs = self._policy.bots.match(situation, bots, places)
+        costs = self._policy.bots.match(state, bots, places)
         for want, cost in zip(others, self._bot_costs.of_all(costs, len(others), len(bots)), strict=True):
             usable = np.where(free, cost, np.inf)
             if not np.isfinite(usable).any():
@@ -121,11 +121,11 @@ class Fetching:
             best = int(usable.argmin())
             self._explain.choice("bots", int(bots[best]), -usable, bots, bucket=want.bucket)
             free[best] = False
-            fetches.append(Fetch(situation.robots[int(bots[best])], want))
+            fetches.append(Fetch(state.robots[int(bots[best])], want))
         return fetches
 
     def _spot_xy(self, bucket: int) -> tuple[float, float]:
-        x, y = self._situation.layout.waypoints[self._situation.spot_of[bucket]]
+        x, y = self._state.layout.waypoints[self._state.spot_of[bucket]]
         return float(x), float(y)
 
     # ---- buckets -------------------------------------------------------------------------------------------
@@ -135,16 +135,16 @@ class Fetching:
 
         Where no bucket serves one of these, those behind them have their turn: else all would wait for each other.
         """
-        situation, demands = self._situation, []
-        usable = situation.free_buckets & (self._not_before <= now)
+        state, demands = self._state, []
+        usable = state.free_buckets & (self._not_before <= now)
         for rank, station in enumerate(stations):
             if demands and rank >= most:
                 break
-            if situation.is_word_station(station):
-                needs: Want | Fill = situation.want(station)
+            if state.is_word_station(station):
+                needs: Want | Fill = state.want(station)
                 allowed = usable & (needs.tiles > 0)
             else:
-                needs = situation.fill(station)
+                needs = state.fill(station)
                 allowed = usable & self._has_room(needs.room)
             if allowed.any():
                 demands.append(Demand(needs, allowed))
@@ -152,19 +152,19 @@ class Fetching:
 
     def _choose_buckets(self, demands: list[Demand], idle: list[int]) -> list[Wanted]:
         """A bucket for each station, where there is one."""
-        situation, policy = self._situation, self._policy
+        state, policy = self._state, self._policy
         words = [demand.needs for demand in demands if isinstance(demand.needs, Want)]
-        scored = policy.buckets.match(situation, words) if words else []
-        buckets = len(situation.stock)
+        scored = policy.buckets.match(state, words) if words else []
+        buckets = len(state.stock)
         word_scores = self._bucket_scores.of_all(scored, len(words), buckets)
-        depths = self._digging.depths()[np.maximum(situation.spot_of, 0)]
+        depths = self._digging.depths()[np.maximum(state.spot_of, 0)]
         chosen: dict[int, Wanted] = {}
         for demand in demands:
             needs, station = demand.needs, demand.needs.station
             if isinstance(needs, Want):
                 scores = next(word_scores)
             else:
-                scores = self._fill_scores.of(policy.fills.score(situation, needs), buckets)
+                scores = self._fill_scores.of(policy.fills.score(state, needs), buckets)
             scores = np.where(demand.allowed, scores, 0.0)
             if self._digging.needed:
                 scores = scores * DIG_DISCOUNT**depths
@@ -182,14 +182,14 @@ class Fetching:
 
     def _has_room(self, room: Ints) -> Mask:
         """Which buckets may be filled: those with room enough or, where none has that much, with any."""
-        enough = room >= self._situation.tiles_of(self._situation.horizons.least_room)
+        enough = room >= self._state.tiles_of(self._state.horizons.least_room)
         return enough if enough.any() else room > 0
 
     def _is_reachable(self, bucket: int, idle: list[int]) -> bool:
         """Whether no bot is under a bucket, or an idle one, which can fetch it itself."""
-        spot = int(self._situation.spot_of[bucket])
-        robots = self._situation.robots
-        return not self._situation.places.taken[spot] or any(robots[bot].waypoint == spot for bot in idle)
+        spot = int(self._state.spot_of[bucket])
+        robots = self._state.robots
+        return not self._state.places.taken[spot] or any(robots[bot].waypoint == spot for bot in idle)
 
     def _first_to_move(self, bucket: int, depth: int, station: int) -> int:
         """The bucket itself or, where others are in its way, the first of them that can be moved; -1 for none."""
@@ -198,10 +198,10 @@ class Fetching:
         digger = self._diggers.get(station)
         if digger is not None and digger.purpose is Purpose.FETCH:
             return -1
-        return self._outermost(int(self._situation.spot_of[bucket]))
+        return self._outermost(int(self._state.spot_of[bucket]))
 
     def _outermost(self, spot: int) -> int:
         """The first bucket that is to be moved so that one can get out of a spot, -1 where that is under way."""
         in_the_way = self._digging.in_the_way(spot)
-        bucket = int(self._situation.view.bucket_at[in_the_way[0]]) if in_the_way else -1
-        return bucket if bucket >= 0 and self._situation.free_buckets[bucket] else -1
+        bucket = int(self._state.view.bucket_at[in_the_way[0]]) if in_the_way else -1
+        return bucket if bucket >= 0 and self._state.free_buckets[bucket] else -1

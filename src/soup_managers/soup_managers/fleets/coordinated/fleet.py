@@ -83,18 +83,18 @@ class CoordinatedFleet(Fleet[Task]):
         """
         self._explain = explain or Explain()
         self._traffic = traffic = Traffic(scenario, layout)
-        self.situation = situation = PlanningState(view, traffic, policy.horizons, rng)
-        super().__init__(view, situation.tasks)
+        self.state = state = PlanningState(view, traffic, policy.horizons, rng)
+        super().__init__(view, state.tasks)
         self._orders = orders = Orders()
         self._barrier = barrier = StartupBarrier()
-        self._queues = queues = DockQueues(situation, traffic.lines)
-        self._liveness = liveness = Liveness(situation.robots)
-        digging = Digging(layout, situation.places)
-        self._recovery = Recovery(situation, queues, liveness, orders)
-        self._moves = moves = Moves(situation, queues, liveness, self._recovery, barrier, orders)
-        self._docking = Docking(situation, digging, queues, moves)
+        self._queues = queues = DockQueues(state, traffic.lines)
+        self._liveness = liveness = Liveness(state.robots)
+        digging = Digging(layout, state.places)
+        self._recovery = Recovery(state, queues, liveness, orders)
+        self._moves = moves = Moves(state, queues, liveness, self._recovery, barrier, orders)
+        self._docking = Docking(state, digging, queues, moves)
         self._dispatch = Dispatch(
-            situation, policy, queues, barrier, moves, self._docking, digging, self._explain, self.mistakes
+            state, policy, queues, barrier, moves, self._docking, digging, self._explain, self.mistakes
         )
         self._told: dict[int, BotStatus] = {}  # bots that say that they stand or work, and are still to be seen there
         self._tick = NEVER
@@ -125,22 +125,22 @@ class CoordinatedFleet(Fleet[Task]):
 
     def bots_of(self) -> dict[Key, tuple[int, ...]]:
         """The bots that are bound for the station of each task."""
-        bound = [tuple(robot.number for robot in robots) for robots in self.situation.bound]
+        bound = [tuple(robot.number for robot in robots) for robots in self.state.bound]
         return {key: bound[task.station] for key, task in self.book.tasks.items()}
 
     def reason(self, task: Task) -> str:
         """Why a task waits; empty where something is on its way to its station."""
         if self._liveness.unplaced:
             return f"{len(self._liveness.unplaced)} bots have not said that they are there"
-        if self.situation.closed[task.station]:
+        if self.state.closed[task.station]:
             return "a bot that does not answer stands in the line of its station"
-        if self.situation.bound[task.station]:
+        if self.state.bound[task.station]:
             return ""
         if not self._has_idle:
             return "all bots are busy"
         if task.kind == STORE:
             return "no free bucket has room"
-        nowhere = [tile for tile in dict.fromkeys(task.missing) if not self.situation.stock.tiles[tile].any()]
+        nowhere = [tile for tile in dict.fromkeys(task.missing) if not self.state.stock.tiles[tile].any()]
         return f"no bucket holds {', '.join(map(tile_name, nowhere[:3]))}" if nowhere else "no free bucket serves it"
 
     # ---- time ------------------------------------------------------------------------------------------------
@@ -171,7 +171,7 @@ class CoordinatedFleet(Fleet[Task]):
         self._explain.now = now
         self._fetch(now)
         said = self.step(now)
-        self._has_idle = bool(self.situation.idle_bots())
+        self._has_idle = bool(self.state.idle_bots())
         return said + self.tell_tasks(list(self.book.tasks.values()))
 
     def step(self, now: float) -> list[Message]:
@@ -190,7 +190,7 @@ class CoordinatedFleet(Fleet[Task]):
         said = self._orders.take()
         if self._queues.bound_changed:
             self._queues.bound_changed = False
-            bound = [(r.load, station) for station, robots in enumerate(self.situation.bound) for r in robots]
+            bound = [(r.load, station) for station, robots in enumerate(self.state.bound) for r in robots]
             said.append(Bound(now, tuple([b for b, _ in bound]), tuple([s for _, s in bound])))
         return said
 
@@ -209,7 +209,7 @@ class CoordinatedFleet(Fleet[Task]):
     def _has_all_tasks(self) -> bool:
         """Whether nearly all words and bundles that are on stations are in tasks, and some are."""
         tasks, view = self.book.tasks, self.view
-        words = [word for word, state in view.open_words.items() if state.missing]
+        words = [word for word, opened in view.open_words.items() if opened.missing]
         keys = [*((DELIVER, word) for word in words), *((STORE, bundle) for bundle in view.staged_bundles)]
         return bool(keys) and sum(key in tasks for key in keys) >= NEARLY_ALL * len(keys)
 
@@ -218,16 +218,16 @@ class CoordinatedFleet(Fleet[Task]):
     def take_over(self, now: float) -> None:
         """Begin with what the view knows now."""
         self._barrier.begin(now)
-        self.situation.take_over()
+        self.state.take_over()
         self._tick = now + TICK_S
 
     def on_event(self, event: Event, now: float) -> list[Message]:
         """Tiles were moved, words opened and completed, bundles emptied; bots collided."""
-        kind, situation = event.type, self.situation
+        kind, state = event.type, self.state
         if kind is EventType.TRANSFERRED:
-            delivered = event.station < situation.word_stations
-            situation.tasks.moved((DELIVER if delivered else STORE, event.job), event.tile)
-            situation.changed(event.station)
+            delivered = event.station < state.word_stations
+            state.tasks.moved((DELIVER if delivered else STORE, event.job), event.tile)
+            state.changed(event.station)
         elif kind is EventType.WORD_ASSIGNED:
             return self.opened(event, now)
         elif kind is EventType.WORD_COMPLETED or kind is EventType.BUNDLE_EMPTIED:
@@ -247,7 +247,7 @@ class CoordinatedFleet(Fleet[Task]):
 
     def on_status(self, status: BotStatus, now: float) -> list[Message]:
         """A bot may be seen for the first time, or drive for somebody else."""
-        robot = self.situation.robots[status.bot]
+        robot = self.state.robots[status.bot]
         self._liveness.heard(status, now)
         if status.trip is not None:
             self._orders.heard(status.trip.trip)
@@ -266,7 +266,7 @@ class CoordinatedFleet(Fleet[Task]):
 
     def _handle_gone(self, gone: BotGone, now: float) -> list[Message]:
         """A bot that stands has nobody who could say so; one that was asked for something fails that anyway."""
-        robot = self.situation.robots[gone.bot]
+        robot = self.state.robots[gone.bot]
         self._liveness.gone(gone.bot)
         if robot.activity is not Activity.STANDS:
             return []
@@ -288,7 +288,7 @@ class CoordinatedFleet(Fleet[Task]):
         return self._enter(now) if self._told else []
 
     def _handle_result(self, result: DriveResult | TripResult, now: float) -> list[Message]:
-        robot = self.situation.robots[result.bot]
+        robot = self.state.robots[result.bot]
         drive = isinstance(result, DriveResult)
         number = result.drive if isinstance(result, DriveResult) else result.trip
         if robot.activity is not (Activity.DRIVES if drive else Activity.WORKS) or robot.order != number:
@@ -306,7 +306,7 @@ class CoordinatedFleet(Fleet[Task]):
         """Enter the bots that have told that they stand, and were seen since: where they were before, they drove."""
         seen = [bot for bot, status in self._told.items() if status.time <= self.view.seen_at]
         for bot in seen:
-            status, robot = self._told.pop(bot), self.situation.robots[bot]
+            status, robot = self._told.pop(bot), self.state.robots[bot]
             if robot.adopted:
                 if self._recovery.end_adopted(robot, status, now):
                     self._moves.arrived(robot, now)

@@ -24,7 +24,7 @@ class Moves:
 
     def __init__(
         self,
-        situation: PlanningState,
+        state: PlanningState,
         queues: DockQueues,
         liveness: Liveness,
         recovery: Recovery,
@@ -34,7 +34,7 @@ class Moves:
         """Begin with nobody on its way.
 
         Args:
-            situation: The bots, buckets and stations.
+            state: The bots, buckets and stations.
             queues: The lines of stations.
             liveness: Is told who was asked for something.
             recovery: Is told where bots go.
@@ -43,7 +43,7 @@ class Moves:
         """
         self.undecided: list[Robot] = []
         self._waiting: dict[int, Robot] = {}  # those whose next step was not possible: tried again
-        self._situation, self._traffic = situation, situation.traffic
+        self._state, self._traffic = state, state.traffic
         self._queues, self._liveness, self._recovery = queues, liveness, recovery
         self._barrier, self._orders = barrier, orders
         self._looks_at, self._looks_before = -1.0, 0  # when ways were looked for last, and how many looks before then
@@ -75,7 +75,7 @@ class Moves:
             goal,
             now,
             loaded=robot.bucket >= 0,
-            blocked_spots=self._situation.view.occupied,
+            blocked_spots=self._state.view.occupied,
             hurried=hurried or looks > LOOKS,
         )
         if leg is None:
@@ -94,7 +94,7 @@ class Moves:
             case Purpose.FETCH:
                 self._operate(robot, robot.target, now)
             case Purpose.STORE:
-                x, y = self._situation.layout.waypoints[robot.waypoint]
+                x, y = self._state.layout.waypoints[robot.waypoint]
                 self._operate(robot, robot.bucket, now, store=((float(x), float(y)),))
             case Purpose.SERVE if robot.slot == 0:
                 self.undecided.append(robot)

@@ -30,7 +30,7 @@ class Recovery:
 
     def __init__(
         self,
-        situation: PlanningState,
+        state: PlanningState,
         queues: DockQueues,
         liveness: Liveness,
         orders: Orders,
@@ -38,16 +38,16 @@ class Recovery:
         """Begin with bots of which nothing is known.
 
         Args:
-            situation: The bots, buckets and stations.
+            state: The bots, buckets and stations.
             queues: The lines of stations.
             liveness: Knows whom nobody can rely on.
             orders: What is asked of bots.
         """
         self.halted: set[int] = set()
-        self._situation, self._traffic, self._places = situation, situation.traffic, situation.places
-        self._layout, self._view = situation.layout, situation.view
+        self._state, self._traffic, self._places = state, state.traffic, state.places
+        self._layout, self._view = state.layout, state.view
         self._queues, self._liveness, self._orders = queues, liveness, orders
-        bot = situation.view.scenario.bot
+        bot = state.view.scenario.bot
         self._tolerance_m, self._penalty_s = bot.tolerance_m, bot.collision_penalty_s
         self._brakes_s = bot.max_speed_mps / bot.max_acceleration_mps2
         self._legs: dict[int, Leg] = {}  # the last one of each bot
@@ -60,7 +60,7 @@ class Recovery:
         if robot.waypoint >= 0:
             self._places.leave(robot.waypoint)
         self._places.take(goal)
-        self._situation.robot_xy[robot.number] = self._layout.waypoints[goal]
+        self._state.robot_xy[robot.number] = self._layout.waypoints[goal]
 
     def departs(self, robot: Robot, goal: int, leg: Leg) -> None:
         """A bot is sent to a waypoint."""
@@ -86,7 +86,7 @@ class Recovery:
 
     def note_closed(self) -> None:
         """Close the stations in whose lines somebody stands whom nobody can tell to leave."""
-        closed = self._situation.closed
+        closed = self._state.closed
         closed[:] = False
         for robot in self._liveness.lost.values():
             station = self._queues.station_at(robot.waypoint)
@@ -116,7 +116,7 @@ class Recovery:
         self.note_closed()
         if robot.bucket < 0:
             bucket = int(self._view.bucket_at[goal])
-            if bucket >= 0 and self._situation.free_buckets[bucket]:
+            if bucket >= 0 and self._state.free_buckets[bucket]:
                 robot.is_for(Purpose.FETCH, bucket)
             return
         if self._places.is_spot[goal]:
@@ -219,7 +219,7 @@ class Recovery:
         stopped = [robot]
         while stopped:
             for number in self._traffic.conflicts(stopped.pop().number, now):
-                other = self._situation.robots[number]
+                other = self._state.robots[number]
                 if other.activity is Activity.DRIVES and number not in self.halted and not other.adopted:
                     self.halted.add(number)
                     self._orders.stop(other)
