@@ -139,7 +139,8 @@ class FleetManagerNode:
     def _serve(self, kind: str, action_type: Any, name: str) -> GoalServer:
         def accept(handle: ServerGoalHandle) -> None:
             goal = from_ros(handle.request)
-            self._client.mail.got(mail.goals(kind))
+            if _is_a_managers(handle):
+                self._client.mail.got(mail.goals(kind))
             self._goals.setdefault((kind, goal.task), []).append(handle)
             if self._client.mind is None:
                 self._end_task(TaskResult(kind, goal.task, Code.BUSY, NOT_YET))
@@ -159,7 +160,8 @@ class FleetManagerNode:
 
     def _end_task(self, result: TaskResult) -> None:
         for handle in self._goals.pop((result.kind, result.task), ()):
-            self._client.mail.sent(mail.results(result.kind))
+            if _is_a_managers(handle):
+                self._client.mail.sent(mail.results(result.kind))
             self._servers[result.kind].finish(handle, result.code, result.message)
 
     # ---- the bots -----------------------------------------------------------------------------------------
@@ -254,6 +256,11 @@ class FleetManagerNode:
     def _carry(self, messages: list[Message]) -> None:
         for message in messages:
             self._carriers[type(message)](message)
+
+
+def _is_a_managers(handle: ServerGoalHandle) -> bool:
+    """Whether a goal says which run it is of, as those of managers do: time waits for such a goal and its result."""
+    return handle.request.run != 0
 
 
 def main(argv: Sequence[str] | None = None, *, policies: Path | None = None) -> int:
