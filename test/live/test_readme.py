@@ -1,7 +1,8 @@
 """Every command of the README and of what stands in docs works as it stands there.
 
 They stand in blocks of `sh`. Those in a block of `sh terminals` run at the same time; those in a block of `sh long`
-take minutes to hours and are run shortened.
+take minutes to hours and are run shortened. In a block of `sh session` parts of a warehouse are started first; then
+examples are run while they are at work, one after the other.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from diagnostic_msgs.msg import DiagnosticArray
 from soup_msgs import msg
 
 import _environment
+from soup_live.diagnostics import AT_WORK
 from soup_live.qos import EVERY_ONE
 from soup_msgs_py import topics
 
@@ -39,7 +42,8 @@ ALONE, TOGETHER, LONG = (
     ]
     for wanted in ("", "terminals", "long")
 )
-KINDS = {"", "terminals", "long"}
+SESSIONS = [block.splitlines() for text in TEXTS.values() for kind, block in BLOCK.findall(text) if kind == "session"]
+KINDS = {"", "terminals", "long", "session"}
 ELSEWHERE = "hosts.md"  # needs several machines: test_hosts.py makes them
 TOLD = {"plan_world": "proven shortest", "replay_bag": "messages up to", "benchmark": "times faster"}  # by program
 SHORTENED = {  # what a program gets besides; of what is given twice, the second counts
@@ -49,6 +53,7 @@ SHORTENED = {  # what a program gets besides; of what is given twice, the second
     "benchmark": ("--time-limit", "1"),
 }
 PATIENCE_S = 1200.0  # a sweep has 27 variants, and a busy machine takes ten seconds for each
+EXAMPLE_S = 240.0
 UNTIL_CTRL_C = "python3 scripts/run_warehouse.py"
 THESE_TESTS = "python3 scripts/run_tests.py"  # CI runs it; it runs this test
 
@@ -77,6 +82,8 @@ def typed(reader: Parts, line: str, *more: str) -> subprocess.Popen[str]:
     """Start a command of a document."""
     python, script, *arguments = shlex.split(line)
     assert python == "python3"
+    if script.startswith("examples/"):
+        return reader.run_file(_environment.ROOT / script, *arguments, *more)
     return reader.start(script.removeprefix("scripts/"), *arguments, *more)
 
 
@@ -90,7 +97,7 @@ def test_the_readme_has_commands() -> None:
 @pytest.mark.parametrize("name", [name for name in TEXTS if name != ELSEWHERE])
 def test_every_command_stands_where_these_tests_find_it(name: str) -> None:
     assert {kind for kind, _ in BLOCK.findall(TEXTS[name])} <= KINDS
-    assert "python3 scripts/" not in BLOCK.sub("", TEXTS[name])
+    assert not re.search("python3 (scripts|examples)/", BLOCK.sub("", TEXTS[name]))
 
 
 @pytest.mark.live
@@ -133,6 +140,31 @@ def test_the_parts_in_their_own_terminals_move_letters(reader: Parts) -> None:
         err = reader.interrupt(process)
         # a part that stands by begins anew, and whatever is just being loaded ends at once
         assert process.returncode == 0 or ("stands by" in err and process.returncode == -signal.SIGINT), err
+
+
+@pytest.mark.live
+@pytest.mark.timeout(1300)
+@pytest.mark.parametrize("lines", SESSIONS, ids=lambda lines: lines[0])
+def test_examples_end_well_one_after_the_other_while_a_warehouse_runs(reader: Parts, lines: list[str]) -> None:
+    examples = [line for line in lines if "examples/" in line]
+    parts = [typed(reader, line) for line in lines if line not in examples]
+    with Person() as person:
+        wanted = {"world"} if len(parts) > 1 else {"world", "word manager", "letter manager", "fleet manager"}
+        at_work: set[str] = set()
+
+        def hear(report: DiagnosticArray) -> None:
+            at_work.update(status.name for status in report.status if status.message.startswith(AT_WORK))
+
+        person.node.create_subscription(DiagnosticArray, topics.DIAGNOSTICS, hear, EVERY_ONE)
+        person.wait(lambda: wanted < at_work and any("bots" in name for name in at_work), "the parts are at work")
+    for line in examples:
+        example = typed(reader, line)
+        out, err = example.communicate(timeout=EXAMPLE_S)
+        assert (example.returncode, err) == (0, ""), f"{line}: {err}"
+        assert out
+    for part in reversed(parts):
+        reader.interrupt(part)
+        assert part.returncode == 0
 
 
 def program(line: str) -> str:

@@ -1,0 +1,38 @@
+"""Have the fleet deliver a word, and say which letters are still to come; a word manager may run or not.
+
+python3 examples/deliver_word.py
+"""
+
+import _checkout
+
+_checkout.enter()
+
+import sys
+
+from soup_live.warehouse import Warehouse, run
+from soup_msgs_py.codes import EventType
+from soup_msgs_py.warehouse.tiles import tile_name
+
+
+def main() -> None:
+    """The shortest word that waits, where a station has a place free; else the open word that lacks most."""
+    with Warehouse() as warehouse:
+        snapshot = warehouse.snapshot()
+        opened = [word for station in snapshot.word_stations for word in station.open_words]
+        places = warehouse.scenario.word_station.open_words * len(snapshot.word_stations)
+        if len(opened) < places:
+            word = min(snapshot.waiting_words, key=lambda word: len(word.tiles))
+        else:
+            word = max(opened, key=lambda word: len(word.missing))
+        completed = warehouse.watch(EventType.WORD_COMPLETED)
+        delivery = warehouse.deliver(word.word)
+        for feedback in warehouse.follow(delivery):
+            missing = " ".join(tile_name(tile) for tile in feedback.missing)
+            print(f"{word.text} lacks {missing} {feedback.message}")
+        warehouse.wait(delivery)
+        event = next(event for event in completed if event.job == word.word)
+        print(f"{word.text} is complete after {event.time:.1f} s")
+
+
+if __name__ == "__main__":
+    sys.exit(run(main))
