@@ -192,7 +192,7 @@ class Guest:
         wall = time.monotonic()
         announcement = self._allegiance.change(wall)
         if announcement is not None and self._announcement is None:
-            self._announcement = announcement
+            self._announcement, self._heard = announcement, wall
         elif announcement is not None:
             self._live.stop(RunError("the world was started again; what was known of it is void"))
         elif self._announcement is not None and wall - self._heard > SILENT_S:
