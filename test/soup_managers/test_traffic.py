@@ -358,6 +358,21 @@ def test_a_leg_that_is_undone_has_never_been(traffic, demo):
     assert traffic.plan(0, b, 1.0, loaded=False) == first
 
 
+def test_what_a_search_has_found_is_a_copy_that_later_searches_leave_alone(traffic, demo, monkeypatch):
+    found, search = [], traffic._find
+    monkeypatch.setattr(traffic, "_find", lambda query: found.append(search(query)) or found[-1])
+    spots = demo[1].storage_spots[[0, 40, 80]].tolist()
+    traffic.stand(0, spots[0], 0.0)
+    assert traffic.plan(0, spots[1], 1.0, loaded=False) is not None
+    first = found[0]
+    then = [values.copy() for values in first]
+    assert traffic.plan(0, spots[2], 100.0, loaded=False) is not None
+    assert traffic.plan(0, spots[0], 200.0, loaded=True) is not None
+    for values, before in zip(first, then, strict=True):
+        np.testing.assert_array_equal(values, before)
+        assert not any(np.shares_memory(values, scratch) for scratch in traffic._desk)
+
+
 def test_ways_lead_around_a_bot_that_stands_in_an_aisle(traffic, demo):
     spot, dock = int(demo[1].storage_spots[0]), traffic.lines[0][0]
     traffic.stand(0, spot, 0.0)

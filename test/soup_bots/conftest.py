@@ -1,6 +1,0 @@
-"""Makes the tiny world importable, however the tests are started."""
-
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))
