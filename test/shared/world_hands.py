@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
 from soup_msgs_py import messages as m
 from soup_msgs_py.codes import Code, EventType
 from soup_sim.world import World
 
 
+@contextmanager
+def changed(world: World) -> Iterator[dict[str, Any]]:
+    """The state of a world as a checkpoint has it; what one makes of it is true afterwards."""
+    state = world.capture()
+    yield state
+    world.restore(state)
+
+
 def place(world: World, **where: tuple[float, float]) -> None:
     """Put bots somewhere: `bot_3=(x, y)`."""
-    state = world.capture()
-    for name, xy in where.items():
-        state["bodies"]["_state"][int(name.removeprefix("bot_"))][1:3] = xy
-    world.restore(state)
+    with changed(world) as state:
+        for name, xy in where.items():
+            state["bodies"]["_state"][int(name.removeprefix("bot_"))][1:3] = xy
 
 
 def clear(world: World) -> None:

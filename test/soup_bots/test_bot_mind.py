@@ -4,9 +4,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bare_floor import STATION, BareFloor, floor_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tiny_world import TinyWorld, layout_of
+from world_hands import changed
 
 from soup_bots.trip.bot_mind import BotMind, ByHandReply
 from soup_msgs_py.codes import Code, EventType, Phase
@@ -34,7 +35,7 @@ from soup_msgs_py.messages import (
 )
 from soup_msgs_py.mind import NEVER
 
-BUCKET, STATION, SPOT = (20.0, 10.0), (2.0, 30.0), (20.0, 40.0)
+BUCKET, SPOT = (20.0, 10.0), (20.0, 40.0)
 TRIP = Trip(
     12,
     0,
@@ -44,18 +45,26 @@ TRIP = Trip(
 )
 
 
+def wants(floor):
+    """The word that the trip is for is open, and the bucket holds its letters."""
+    with changed(floor.world) as state:
+        state["serving"]["contents"][0] = [(3, 1), (4, 1)]
+        state["serving"]["stations"][0]["open_words"] = [(1, "DE", (3, 4), [False, False])]
+    return floor
+
+
 @pytest.fixture
-def world():
-    return TinyWorld([(5, 5), (50, 50)], buckets=[BUCKET], stations=[STATION])
+def floor():
+    return wants(BareFloor([(5, 5), (50, 50)], buckets=[BUCKET], spots=[SPOT]))
 
 
 @pytest.fixture
 def mind():
-    return BotMind(3, layout_of(60, 60, [STATION]), retry_s=0.25, penalty_s=5.0)
+    return BotMind(3, floor_of(), retry_s=0.25, penalty_s=5.0)
 
 
-def said(world, kind, bot=0):
-    return [m for m in world.told if isinstance(m, kind) and getattr(m, "bot", bot) == bot]
+def said(floor, kind, bot=0):
+    return [m for m in floor.told if isinstance(m, kind) and getattr(m, "bot", bot) == bot]
 
 
 def only(messages, kind):
@@ -67,8 +76,8 @@ def reply(request, code=Code.DONE, message="because"):
     return BotReply(request.bot, request.request, code, message, 0.0, 1.0, 1.0)
 
 
-def ended(world):
-    return lambda: bool(said(world, TripResult))
+def ended(floor):
+    return lambda: bool(said(floor, TripResult))
 
 
 def up_to(mind, kind, now=0.0, trip=TRIP) -> Any:
@@ -81,46 +90,47 @@ def up_to(mind, kind, now=0.0, trip=TRIP) -> Any:
         out = mind.handle(reply(request), now)
 
 
-def test_a_trip_runs_through_all_phases(world):
-    world.tell(TripGoal(0, TRIP))
-    assert world.run(90, ended(world))
-    assert said(world, TripResult)[0].code is Code.DONE
-    phases = [m.phase for m in said(world, BotStatus)]
+def test_a_trip_runs_through_all_phases(floor):
+    floor.tell(floor.crew, TripGoal(0, TRIP))
+    assert floor.go_on(90, ended(floor))
+    assert said(floor, TripResult)[0].code is Code.DONE
+    phases = [m.phase for m in said(floor, BotStatus)]
     in_order = [p for k, p in enumerate(phases) if k == 0 or p is not phases[k - 1]]
     assert in_order == [Phase.IDLE, Phase.FETCHING, Phase.VISITING, Phase.STORING, Phase.IDLE]
-    assert (world.bucket_x[0], world.bucket_y[0], world.bucket[0]) == (*SPOT, -1)
-    assert [m.moves for m in said(world, Transfer)] == [TRIP.visits[0].moves]
+    buckets = floor.world.buckets()
+    assert (buckets.x[0], buckets.y[0], buckets.bot[0]) == (*SPOT, -1)
+    assert [m.moves for m in said(floor, Transfer)] == [TRIP.visits[0].moves]
 
 
-def test_feedback_counts_the_visits(world):
-    world.tell(TripGoal(0, TRIP))
-    world.run(90, ended(world))
-    counts = [m.visits_done for m in said(world, TripFeedback)]
+def test_feedback_counts_the_visits(floor):
+    floor.tell(floor.crew, TripGoal(0, TRIP))
+    floor.go_on(90, ended(floor))
+    counts = [m.visits_done for m in said(floor, TripFeedback)]
     assert counts == sorted(counts)
     assert counts[-1] == 1
 
 
 def test_a_bot_that_carries_the_bucket_skips_fetching():
-    world = TinyWorld([(5, 5)], buckets=[BUCKET], stations=[STATION], carrying={0: 0})
-    world.tell(TripGoal(0, TRIP))
-    assert world.run(90, ended(world))
-    assert not said(world, Grab)
+    floor = wants(BareFloor([(5, 5)], buckets=[BUCKET], spots=[SPOT], carrying={0: 0}))
+    floor.tell(floor.crew, TripGoal(0, TRIP))
+    assert floor.go_on(90, ended(floor))
+    assert not said(floor, Grab)
 
 
 def test_a_bot_that_carries_another_bucket_says_so():
-    world = TinyWorld([(5, 5)], buckets=[BUCKET, BUCKET], stations=[STATION], carrying={0: 1})
-    world.tell(TripGoal(0, TRIP))
-    (result,) = said(world, TripResult)
+    floor = BareFloor([(5, 5)], buckets=[BUCKET, BUCKET], carrying={0: 1})
+    floor.tell(floor.crew, TripGoal(0, TRIP))
+    (result,) = said(floor, TripResult)
     assert result.code is Code.INVALID
     assert "carries bucket 1" in result.message
 
 
-def test_without_a_store_route_the_bot_keeps_the_bucket(world):
-    world.tell(TripGoal(0, Trip(12, 0, TRIP.fetch_route, TRIP.visits, ())))
-    assert world.run(90, ended(world))
-    assert said(world, TripResult)[0].code is Code.DONE
-    assert world.bucket[0] == 0
-    assert world.crew.minds[0].bucket == 0
+def test_without_a_store_route_the_bot_keeps_the_bucket(floor):
+    floor.tell(floor.crew, TripGoal(0, Trip(12, 0, TRIP.fetch_route, TRIP.visits, ())))
+    assert floor.go_on(90, ended(floor))
+    assert said(floor, TripResult)[0].code is Code.DONE
+    assert floor.bots.bucket[0] == 0
+    assert floor.crew.minds[0].bucket == 0
 
 
 def test_a_second_trip_is_refused(mind):
@@ -133,14 +143,14 @@ def test_a_second_trip_is_refused(mind):
 # collisions and refusals
 
 
-def test_after_a_collision_the_bot_waits_until_it_resumes_and_drives_on(world):
-    world.tell(TripGoal(0, TRIP))
-    world.run(2)
-    world._penalise(0)
-    world._hand_out()
-    assert "collision" in said(world, BotStatus)[-1].message
-    assert world.run(95, ended(world))
-    assert said(world, TripResult)[0].code is Code.DONE
+def test_after_a_collision_the_bot_waits_until_it_resumes_and_drives_on():
+    floor = wants(BareFloor([(5, 5), (5, 7.2)], buckets=[BUCKET], spots=[SPOT]))
+    floor.tell(floor.crew, TripGoal(0, TRIP))
+    floor.tell(floor.crew, SetVelocity(1, 0.0, -4.0))
+    assert floor.go_on(1, lambda: floor.contacts == 1)
+    assert "collision" in said(floor, BotStatus)[-1].message
+    assert floor.go_on(95, ended(floor))
+    assert said(floor, TripResult)[0].code is Code.DONE
 
 
 def test_a_collision_during_a_transfer_only_repeats_the_tiles_that_have_not_moved(mind):
@@ -209,14 +219,14 @@ def test_stale_replies_are_ignored(mind):
 # cancelling
 
 
-def test_a_cancelled_trip_stops_the_driving_bot_at_once(world):
-    world.tell(TripGoal(0, TRIP))
-    world.run(2)
-    world.tell(CancelTrip(0, 12))
-    assert said(world, TripResult)[0].code is Code.CANCELLED
-    world.run(1)
-    assert world.vx[0] == world.vy[0] == 0
-    assert not world.crew.wants_to_sense
+def test_a_cancelled_trip_stops_the_driving_bot_at_once(floor):
+    floor.tell(floor.crew, TripGoal(0, TRIP))
+    floor.go_on(2)
+    floor.tell(floor.crew, CancelTrip(0, 12))
+    assert said(floor, TripResult)[0].code is Code.CANCELLED
+    floor.go_on(1)
+    assert floor.bots.vx[0] == floor.bots.vy[0] == 0
+    assert not floor.crew.wants_to_sense
 
 
 def test_a_cancelled_trip_finishes_the_operation_under_way(mind):
@@ -240,11 +250,11 @@ def test_a_trip_cancelled_while_it_waits_ends_at_once(mind):
 # drives and requests by hand
 
 
-def test_a_drive_ends_at_its_last_point(world):
-    world.tell(DriveGoal(0, 5, ((20.0, 5.0), (20.0, 20.0))))
-    assert world.run(20, lambda: bool(said(world, DriveResult)))
-    assert said(world, DriveResult)[0].code is Code.DONE
-    assert (world.x[0], world.y[0]) == (20.0, 20.0)
+def test_a_drive_ends_at_its_last_point(floor):
+    floor.tell(floor.crew, DriveGoal(0, 5, ((20.0, 5.0), (20.0, 20.0))))
+    assert floor.go_on(20, lambda: bool(said(floor, DriveResult)))
+    assert said(floor, DriveResult)[0].code is Code.DONE
+    assert (floor.bots.x[0], floor.bots.y[0]) == (20.0, 20.0)
 
 
 @pytest.mark.parametrize("code", [Code.COLLIDED, Code.PENALISED, Code.LATE, Code.BUSY])
@@ -317,7 +327,7 @@ def test_a_request_by_hand_is_forwarded_and_its_reply_handed_back(mind):
 @settings(max_examples=300, deadline=None, derandomize=True)
 @given(st.lists(st.sampled_from(list(Code)), max_size=60), st.lists(st.integers(0, 9), max_size=60))
 def test_whatever_the_world_answers_a_trip_has_one_result_and_the_bot_never_forgets_to_go_on(codes, other):
-    mind = BotMind(3, layout_of(60, 60, [STATION]), retry_s=0.25, penalty_s=5.0)
+    mind = BotMind(3, floor_of(), retry_s=0.25, penalty_s=5.0)
     now, results = 0.0, 0
     out = mind.handle(TripGoal(3, TRIP), now)
     for step, code in enumerate(codes):
@@ -347,11 +357,11 @@ def test_the_same_start_gives_the_same_run(seed):
     def run():
         rng = np.random.default_rng(seed)
         places = rng.permutation([(x, y) for x in range(10, 50, 6) for y in range(10, 50, 6)])
-        world = TinyWorld([tuple(p) for p in places[:10]])
+        floor = BareFloor([tuple(p) for p in places[:10]])
         for bot in range(10):
-            world.tell(DriveGoal(bot, bot, ((float(places[10 + bot][0]), float(places[10 + bot][1])),)))
-        world.run(4)
-        return world.x.tobytes() + world.y.tobytes(), sum(isinstance(m, SetVelocities) for m in world.told)
+            floor.tell(floor.crew, DriveGoal(bot, bot, ((float(places[10 + bot][0]), float(places[10 + bot][1])),)))
+        floor.go_on(4)
+        return floor.bots.x.tobytes() + floor.bots.y.tobytes(), sum(isinstance(m, SetVelocities) for m in floor.told)
 
     assert run() == run()
 
@@ -424,7 +434,7 @@ def test_a_drive_says_how_far_it_is_and_what_the_bot_waits_for(mind):
     assert [m for m in mind.waits("on its own", 5.0) if isinstance(m, DriveFeedback)] == []
 
 
-def test_a_drive_is_told_of_from_its_beginning(world):
-    world.tell(DriveGoal(0, 5, ((20.0, 5.0), (20.0, 20.0))))
-    assert world.run(20, lambda: bool(said(world, DriveResult)))
-    assert said(world, DriveFeedback)[0].message == "drives to (20.0, 20.0)"
+def test_a_drive_is_told_of_from_its_beginning(floor):
+    floor.tell(floor.crew, DriveGoal(0, 5, ((20.0, 5.0), (20.0, 20.0))))
+    assert floor.go_on(20, lambda: bool(said(floor, DriveResult)))
+    assert said(floor, DriveFeedback)[0].message == "drives to (20.0, 20.0)"

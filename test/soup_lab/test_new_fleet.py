@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bare_floor import Nobody
 
 import _environment
 from soup_lab.headless.simulation import Headless, make_minds
@@ -29,23 +29,11 @@ BEHIND_S = 0.5  # who drives so close behind cannot brake any more
 POLICIES = load_policies(CONFIG / "policies" / "best.yaml")
 
 
-class Nobody:
-    """Stands where a fleet manager was."""
-
-    next_wake = math.inf
-    wants_places = False
-    reacts_to = frozenset()
-
-    def handle(self, _message: Message, _now: float) -> list[Message]:
-        return []
-
-
 def take_over(run: Headless, pause_s: float, policies: Policies = POLICIES) -> None:
     """Kill the fleet manager; after a while, during which bots do what they were asked for, there is another one."""
     world = run.world
-    nobody: Any = Nobody()
     tasks = run.fleet.tasks()
-    run.replace("fleet", nobody)
+    run.replace("fleet", Nobody())
     run.run(world.now + pause_s)
     policy = make_minds(policies).fleet
     view = WarehouseView(world.scenario, world.layout)

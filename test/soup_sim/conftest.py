@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -14,7 +13,6 @@ from soup_sim.layouts import make_layout
 from soup_sim.world import World
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(Path(__file__).parent))  # for what these tests share
 
 
 @pytest.fixture(scope="session")
