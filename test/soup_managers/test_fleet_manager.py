@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from managers_world import TinyWorld, layout_of, scenario_of
+from tiny_warehouse import home, let, tiny_world
+from world_hands import place
 
 from soup_managers.fleets.minimal.fleet import GATHER_S, TripFleet
 from soup_managers.fleets.minimal.plans import PlanError, PlannedVisit, TripPlan
@@ -18,7 +19,6 @@ from soup_msgs_py.messages import (
     DELIVER,
     STORE,
     BotStatus,
-    Bundle,
     CancelTask,
     CancelTrip,
     DeliverGoal,
@@ -30,21 +30,22 @@ from soup_msgs_py.messages import (
     TripGoal,
     TripResult,
 )
+from soup_sim.world import World
 
 
 @pytest.fixture
-def world() -> TinyWorld:
+def world() -> World:
     """Word 0 lacks kinds 0 and 1 on station 1, bundle 0 is on station 2; kind 0 is in 3 and 5, 1 in 4."""
-    layout = layout_of(3, 5, 2, 2)
-    world = TinyWorld(scenario_of(), layout, [(0, 1), (0, 0)], np.random.default_rng(0))
-    world.contents[3] = {0: 2}
-    world.contents[5] = {0: 1}
-    world.contents[4] = {1: 1}
-    world.open[0] = 1, replace(world.waiting.pop(0), filled=(False, False))
-    world.staged[0] = 2, Bundle(0, 2, 2)
+    world = tiny_world()
     # far from all buckets: nobody stands under one
-    world.bot_xy = [(0.0, 3.0 + 6.0 * row) for row in range(4)]
-    return world
+    place(world, **{f"bot_{bot}": (2.5, 2.5 + 6.0 * bot) for bot in range(4)})
+    return let(
+        world,
+        contents={3: {0: 2}, 5: {0: 1}, 4: {1: 1}},
+        waiting={1: (0, 0)},
+        opened={0: (1, (0, 1), (0, 0))},
+        staged={0: (2, 2, 2)},
+    )
 
 
 class AllAtOnce(FleetPolicy):
@@ -69,13 +70,13 @@ class AllAtOnce(FleetPolicy):
 class Fleet:
     """A fleet manager that has seen the world, and some of its bots."""
 
-    def __init__(self, world: TinyWorld, bots: int = 4, policy: FleetPolicy | None = None) -> None:
+    def __init__(self, world: World, bots: int = 4, policy: FleetPolicy | None = None) -> None:
         self.world = world
         view = WarehouseView(world.scenario, world.layout)
-        self.mind = TripFleet(world.scenario, world.layout, policy or AllAtOnce(), view, world.rng)
+        self.mind = TripFleet(world.scenario, world.layout, policy or AllAtOnce(), view, np.random.default_rng(0))
         self.sequence = world.sequence
         # a second ago, so that it no longer waits for bots that do not come
-        self.tell(world.snapshot(), *world.status[:bots], now=-GATHER_S)
+        self.tell(world.snapshot(), *(idle(bot, time=0.0) for bot in range(bots)), now=-GATHER_S)
 
     def tell(self, *messages, now: float = 0.0) -> list:
         return [said for message in messages for said in self.mind.handle(message, now)]
@@ -109,19 +110,19 @@ def test_minimal_has_one_letter_of_a_task_under_way_at_a_time(world):
     bucket = trips[0].trip.bucket
     fleet.tell(fleet.event(EventType.GRABBED, bot=0, bucket=bucket))
     fleet.tell(fleet.event(EventType.TRANSFERRED, bot=0, bucket=bucket, station=1, tile=0, job=0))
-    home = world.layout.waypoints[world.bucket_spot[bucket]]
-    fleet.tell(fleet.event(EventType.RELEASED, bot=0, bucket=bucket, x=float(home[0]), y=float(home[1])))
+    x, y = home(world, bucket)
+    fleet.tell(fleet.event(EventType.RELEASED, bot=0, bucket=bucket, x=x, y=y))
     next_trips = fleet.trips(TripResult(0, trips[0].trip.trip, Code.DONE, ""), idle(0))
     assert [goal.trip.visits[0].moves for goal in next_trips] == [(TileMove(1, 0),)]
 
 
 def test_a_trip_goes_straight_to_the_bucket_then_along_the_waypoints_and_back_to_its_spot(world):
     trip = Fleet(world).trips(WORD)[0].trip
-    home = tuple(world.layout.waypoints[world.bucket_spot[3]])
-    assert trip.fetch_route == (home,)
+    spot = home(world, 3)
+    assert trip.fetch_route == (spot,)
     assert trip.visits[0].route[-1] == world.layout.station_xy(1)
-    assert trip.store_route[-1] == home
-    for (ax, ay), (bx, by) in zip((home, *trip.visits[0].route), trip.visits[0].route, strict=False):
+    assert trip.store_route[-1] == spot
+    for (ax, ay), (bx, by) in zip((spot, *trip.visits[0].route), trip.visits[0].route, strict=False):
         assert ax == bx or ay == by
 
 
@@ -134,15 +135,15 @@ def test_tasks_are_served_first_in_first_out_deliver_and_store_alike(world):
 
 
 def test_a_bot_that_stands_under_the_bucket_takes_it(world):
-    world.bot_xy[2] = tuple(world.layout.waypoints[world.bucket_spot[3]])
+    place(world, bot_2=home(world, 3))
     assert [(goal.bot, goal.trip.bucket) for goal in Fleet(world).trips(WORD)] == [(2, 3), (0, 4)]
 
 
 def test_a_bucket_whose_bot_rests_after_a_failure_is_passed_over(world):
     fleet = Fleet(world, bots=3)
     (first, *_) = fleet.trips(WORD)
-    home = world.layout.waypoints[world.bucket_spot[3]]
-    fleet.tell(fleet.event(EventType.RESUMED, bot=0, x=home[0], y=home[1]))
+    x, y = home(world, 3)
+    fleet.tell(fleet.event(EventType.RESUMED, bot=0, x=x, y=y))
     again = fleet.trips(TripResult(0, first.trip.trip, Code.COLLIDED, ""), idle(0))
     assert [(goal.bot, goal.trip.bucket) for goal in again] == [(2, 5)]
 
@@ -154,7 +155,7 @@ def test_bots_that_never_said_that_they_are_there_are_not_asked(world):
 
 
 def test_a_task_says_what_it_waits_for_once(world):
-    world.contents[4].clear()
+    let(world, contents={3: {0: 2}, 5: {0: 1}})
     fleet = Fleet(world)
     said = fleet.tell(WORD)
     assert said[-1] == TaskFeedback(DELIVER, 0, (0, 1), "no bucket holds B0")
@@ -168,13 +169,13 @@ def test_a_task_says_that_all_bots_are_busy(world):
 
 
 def test_a_letter_waits_for_a_bucket_in_use_and_is_served_when_that_is_back(world):
-    world.open[1] = 0, replace(world.waiting.pop(1), filled=(False, False))
-    world.contents[5].clear()
+    opened = {0: (1, (0, 1), (0, 0)), 1: (0, (0, 0), (0, 0))}
+    let(world, contents={3: {0: 2}, 4: {1: 1}}, opened=opened)
     fleet = Fleet(world)
     first = fleet.trips(WORD)[0]
     said = fleet.tell(DeliverGoal(1, 0, 1, (0, 0)))
     assert said == [TaskFeedback(DELIVER, 1, (0, 0), "every bucket that holds A0 is in use")]
-    x, y = world.layout.waypoints[world.bucket_spot[3]]
+    x, y = home(world, 3)
     fleet.tell(
         fleet.event(EventType.GRABBED, bot=0, bucket=3, x=x, y=y),
         fleet.event(EventType.TRANSFERRED, bot=0, bucket=3, station=1, tile=0, job=0, x=5.0, y=5.0),
@@ -187,7 +188,7 @@ def test_a_letter_waits_for_a_bucket_in_use_and_is_served_when_that_is_back(worl
 def test_a_task_is_done_when_all_its_tiles_are_moved(world):
     fleet = Fleet(world)
     fleet.tell(WORD)
-    x, y = world.layout.waypoints[world.bucket_spot[3]]
+    x, y = home(world, 3)
     moved = [
         fleet.event(EventType.TRANSFERRED, bot=bot, bucket=3 + bot, station=1, tile=bot, job=0, x=x, y=y)
         for bot in (0, 1)
@@ -231,7 +232,7 @@ def test_a_bot_left_with_a_bucket_stores_it_where_it_came_from(world):
     fleet.tell(TripResult(0, first.trip.trip, Code.NOT_NEEDED, ""), idle(0, bucket=3))
     (store,) = fleet.mind.wake(1.0)
     assert (store.bot, store.trip.bucket, store.trip.visits, store.trip.fetch_route) == (0, 3, (), ())
-    assert store.trip.store_route[-1] == tuple(world.layout.waypoints[world.bucket_spot[3]])
+    assert store.trip.store_route[-1] == home(world, 3)
 
 
 def test_a_bot_that_forgot_its_trip_is_noticed(world):
@@ -276,7 +277,7 @@ def test_a_trip_that_a_bot_was_on_in_a_world_that_has_ended_is_not_waited_for(wo
 
 def test_a_new_fleet_manager_waits_a_moment_for_all_bots_to_say_what_they_do(world):
     view = WarehouseView(world.scenario, world.layout)
-    mind = TripFleet(world.scenario, world.layout, AllAtOnce(), view, world.rng)
+    mind = TripFleet(world.scenario, world.layout, AllAtOnce(), view, np.random.default_rng(0))
     for message in (world.snapshot(), WORD, idle(0), idle(1), idle(2)):
         assert not [said for said in mind.handle(message, 5.0) if isinstance(said, TripGoal)]
     assert mind.next_wake == 5.0 + GATHER_S
@@ -285,7 +286,7 @@ def test_a_new_fleet_manager_waits_a_moment_for_all_bots_to_say_what_they_do(wor
 
 def test_goals_that_come_before_the_snapshot_are_kept(world):
     view = WarehouseView(world.scenario, world.layout)
-    mind = TripFleet(world.scenario, world.layout, AllAtOnce(), view, world.rng)
+    mind = TripFleet(world.scenario, world.layout, AllAtOnce(), view, np.random.default_rng(0))
     (feedback,) = mind.handle(WORD, 0.0)
     assert "snapshot" in feedback.message
     mind.handle(idle(0), 0.0)
@@ -320,9 +321,7 @@ def test_after_lost_events_tasks_are_what_the_world_says(world):
     fleet.tell(fleet.event(EventType.RESUMED, bot=1, x=1.0, y=1.0))
     assert fleet.mind.view.lost
     assert not fleet.tell(idle(0))
-    world.open[0] = 1, replace(world.open[0][1], filled=(True, False))
-    world.staged.clear()
-    world.sequence = fleet.sequence
+    let(world, opened={0: (1, (0, 1), (1, 0))}, staged={}, sequence=fleet.sequence)
     said = fleet.tell(world.snapshot())
     assert TaskResult(STORE, 0, Code.DONE, "all letters are in place") in said
     assert [m.trip.visits[0].moves for m in said if isinstance(m, TripGoal)] == [(TileMove(1, 0),)]
@@ -336,7 +335,7 @@ class Careless(FleetPolicy):
 
     def plan(self, fleet: FleetState):
         letter = next(iter(fleet.letters()))
-        spot = fleet.view.spot_of[self.wrong.get("bucket", 3) % 9]
+        spot = int(fleet.view.spot_of[self.wrong.get("bucket", 3) % 9])
         if self.wrong.get("spot", 0) is None:
             del self.wrong["spot"]
         visit = PlannedVisit(self.wrong.pop("station", letter.station), (letter,) * self.wrong.pop("times", 1))

@@ -6,13 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from managers_world import PITCH, layout_of
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
+from tiny_warehouse import scenario_of
 
 from soup_managers.traffic.router import STATION_DETOUR_M, Router
 from soup_msgs_py.warehouse.layout import Layout
+from soup_sim.layouts import make_layout
 
+PITCH = 3.0
+TINY = make_layout(scenario_of())
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -118,12 +121,12 @@ def test_a_way_has_a_corner_only_where_its_direction_changes(seed):
 
 
 def test_of_equally_long_ways_the_one_with_the_fewest_turns_is_taken():
-    layout = layout_of(columns=4, rows=6, word_stations=1, letter_stations=1)
-    router = Router(layout)
-    far = router.nearest_waypoint(0.0, layout.height_m)
+    router = Router(TINY)
+    far = router.nearest_waypoint(0.0, TINY.height_m)
     # down the left edge first, it would have to leave the row of storage spots in front of the station again
-    right = layout.width_m
-    assert router.route(far, int(layout.word_stations[0])) == ((right, layout.height_m), (right, 0.0))
+    right, top = TINY.waypoints.max(axis=0)
+    station = max(TINY.word_stations.tolist(), key=lambda w: TINY.waypoints[w, 1])
+    assert router.route(far, station) == ((right, top), tuple(TINY.waypoints[station]))
 
 
 @given(seeds)
@@ -154,20 +157,18 @@ def test_no_way_of_the_same_cost_has_fewer_turns(seed):
 
 
 def test_the_way_to_where_one_is_is_that_place():
-    layout = layout_of(2, 3, 1, 1)
-    assert Router(layout).route(5, 5) == (tuple(layout.waypoints[5]),)
+    assert Router(TINY).route(5, 5) == (tuple(TINY.waypoints[5]),)
 
 
 def test_a_loaded_bot_off_the_waypoints_joins_them_where_no_bucket_may_rest():
-    layout = layout_of(2, 3, 1, 1)
-    router = Router(layout)
-    spot = int(layout.storage_spots[0])
-    x, y = layout.waypoints[spot]
+    router = Router(TINY)
+    spot = int(TINY.storage_spots[0])
+    x, y = TINY.waypoints[spot]
     assert router.entry(x, y) == spot
     entry = router.entry(x + 0.8, y + 0.6)
-    assert entry not in layout.storage_spots
-    goal = int(layout.word_stations[0])
+    assert entry not in TINY.storage_spots
+    goal = int(TINY.word_stations[0])
     way = router.route_from_place(x + 0.8, y + 0.6, goal)
     assert way is not None
-    assert way[0] == tuple(layout.waypoints[entry])
+    assert way[0] == tuple(TINY.waypoints[entry])
     assert way[1:] == router.route(entry, goal)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from managers_world import TinyWorld, layout_of, scenario_of
+from tiny_warehouse import BUCKETS, CAPACITY, let, tiny_world
 
 from soup_managers.policies.letter import Minimal as MinimalLetter
 from soup_managers.policies.word import Minimal as MinimalWord
@@ -25,31 +25,34 @@ from soup_msgs_py.messages import (
     TaskResult,
 )
 from soup_msgs_py.mind import NEVER
+from soup_sim.world import World
 
 DONE = Reply(Code.DONE, "")
 
 
+def holding(*kinds: int) -> dict[int, dict[int, int]]:
+    """Each bucket holds a tile of some kinds."""
+    return {bucket: dict.fromkeys(kinds, 1) for bucket in range(BUCKETS)}
+
+
 @pytest.fixture
-def world() -> TinyWorld:
+def world() -> World:
     """Four waiting words of two letters; nine buckets, half full with kinds 0 to 3."""
-    rng = np.random.default_rng(1)
-    words = [(0, 1), (2, 3), (0, 0), (1, 1)]
-    world = TinyWorld(scenario_of(initial_inventory=0.5), layout_of(3, 3, 2, 2), words, rng)
-    world.fill([kind for kind in range(4) for _ in range(9)])
-    return world
+    words = {0: (0, 1), 1: (2, 3), 2: (0, 0), 3: (1, 1)}
+    return let(tiny_world(initial_inventory=0.5), contents=holding(0, 1, 2, 3), waiting=words)
 
 
-def word_manager(world: TinyWorld) -> WordManager:
+def word_manager(world: World) -> WordManager:
     view = WarehouseView(world.scenario, world.layout)
-    return WordManager(world.scenario, world.layout, MinimalWord(), view, world.rng)
+    return WordManager(world.scenario, world.layout, MinimalWord(), view, np.random.default_rng(1))
 
 
-def letter_manager(world: TinyWorld) -> LetterManager:
+def letter_manager(world: World) -> LetterManager:
     """Its profile: kinds 0 to 3, a quarter each."""
     view = WarehouseView(world.scenario, world.layout)
     profile = np.zeros(view.kinds)
     profile[:4] = 0.25
-    return LetterManager(world.scenario, world.layout, MinimalLetter(), view, world.rng, profile)
+    return LetterManager(world.scenario, world.layout, MinimalLetter(), view, np.random.default_rng(1), profile)
 
 
 def assigned(sequence: int, word: int, station: int) -> Event:
@@ -94,15 +97,13 @@ def test_words_that_others_opened_are_asked_of_the_fleet_too(world):
 
 
 def test_a_new_word_manager_asks_for_what_open_words_still_lack(world):
-    word = world.waiting.pop(0)
-    world.open[0] = 1, replace(word, filled=(True, False))
+    let(world, opened={0: (1, (0, 1), (1, 0))})
     assert word_manager(world).handle(world.snapshot(), 0.0)[0] == DeliverGoal(0, 1, 0, (1,))
 
 
 def test_a_delivery_that_ended_early_is_asked_for_again_after_a_while(world):
     manager = word_manager(world)
-    word = world.waiting.pop(0)
-    world.open[0] = 1, replace(word, filled=(True, False))
+    let(world, opened={0: (1, (0, 1), (1, 0))})
     manager.handle(world.snapshot(), 0.0)
     assert manager.handle(TaskResult(DELIVER, 0, Code.STOPPED, "gone"), 2.0) == []
     assert manager.next_wake == 3.0
@@ -110,8 +111,7 @@ def test_a_delivery_that_ended_early_is_asked_for_again_after_a_while(world):
 
 
 def test_a_full_station_gets_no_word(world):
-    for number in range(4):
-        world.open[number] = number % 2, replace(world.waiting.pop(number), filled=(False, False))
+    let(world, opened={number: (number % 2, (0, 1), (0, 0)) for number in range(4)})
     manager = word_manager(world)
     said = manager.handle(world.snapshot(), 0.0)
     assert [type(message) for message in said] == [DeliverGoal] * 4
@@ -127,25 +127,19 @@ def test_nothing_comes_in_while_the_stock_is_what_it_was(world):
 
 
 def test_the_kind_that_is_furthest_below_its_share_comes_in(world):
-    for bucket in world.contents:
-        bucket.pop(2, None)
+    let(world, contents=holding(0, 1, 3))
     manager = letter_manager(world)
     assert manager.handle(world.snapshot(), 0.0) == [AssignBundle(2, tile=2)]
 
 
 def test_a_kind_that_open_words_lack_comes_before_all_others(world):
-    for bucket in world.contents:
-        bucket.pop(2, None)
-        bucket.pop(3, None)
-    world.contents[0][3] = 1
-    world.open[9] = 0, replace(world.waiting[0], word=9, tiles=(3, 3, 7), filled=(False,) * 3)
+    let(world, contents=holding(0, 1) | {0: {0: 1, 1: 1, 3: 1}}, opened={9: (0, (3, 3, 7), (0, 0, 0))})
     manager = letter_manager(world)
     assert manager.handle(world.snapshot(), 0.0) == [AssignBundle(2, tile=3)]
 
 
 def test_a_staged_bundle_is_to_be_stored(world):
-    world.contents[0].clear()
-    world.contents[1].clear()
+    let(world, contents=holding(0, 1, 2, 3) | {0: {}, 1: {}})
     manager = letter_manager(world)
     (asked,) = manager.handle(world.snapshot(), 0.0)
     manager.handle(Reply(Code.DONE, "", 0), 0.0)
@@ -165,12 +159,12 @@ def test_bundles_that_arrived_are_staged_first_in_first_out(world):
 
 
 def test_a_new_letter_manager_asks_for_what_is_left_of_staged_bundles(world):
-    world.staged[0] = 3, Bundle(0, 1, 2)
+    let(world, staged={0: (3, 1, 2)})
     assert letter_manager(world).handle(world.snapshot(), 0.0)[0] == StoreGoal(0, 3, 0, 1, 2)
 
 
 def test_a_store_task_that_ended_early_is_asked_for_again(world):
-    world.staged[0] = 3, Bundle(0, 1, 2)
+    let(world, staged={0: (3, 1, 2)})
     manager = letter_manager(world)
     manager.handle(world.snapshot(), 0.0)
     manager.handle(TaskResult(STORE, 0, Code.UNKNOWN, "not staged"), 2.0)
@@ -178,8 +172,6 @@ def test_a_store_task_that_ended_early_is_asked_for_again(world):
 
 
 def test_no_more_comes_in_than_the_buckets_hold(world):
-    for bucket in world.contents:
-        bucket.clear()
-        bucket[0] = 8
-    world.contents[0][0] = 6  # room for two tiles, a bundle has three
+    full = {bucket: {0: CAPACITY} for bucket in range(BUCKETS)}
+    let(world, contents=full | {0: {0: CAPACITY - 2}})  # room for two tiles, a bundle has three
     assert letter_manager(world).handle(world.snapshot(), 0.0) == []

@@ -2,19 +2,21 @@
 
 import numpy as np
 import pytest
-from managers_world import layout_of, scenario_of
+from tiny_warehouse import scenario_of
 
 from soup_managers.fleets.minimal.state import FleetState
 from soup_managers.traffic.router import Router
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
 from soup_msgs_py.messages import Event, SetStorageSpot
+from soup_sim.layouts import make_layout
 
 
 @pytest.fixture
 def fleet() -> FleetState:
     """Before the first snapshot: a view that knows the storage spots, and nothing on them."""
-    scenario, layout = scenario_of(), layout_of(3, 5, 2, 2)
+    scenario = scenario_of()
+    layout = make_layout(scenario)
     view = WarehouseView(scenario, layout)
     view.is_storage_spot[layout.storage_spots] = True
     view.ready, view.sequence = True, 0

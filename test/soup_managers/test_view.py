@@ -6,25 +6,27 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from managers_world import TinyWorld, layout_of, scenario_of
+from tiny_warehouse import let, scenario_of, tiny_world
 
 from soup_managers.kernels.bitset import first, members
 from soup_managers.view import WarehouseView
 from soup_msgs_py.codes import EventType
-from soup_msgs_py.messages import Bundle, Event, Word
+from soup_msgs_py.messages import Event, SetStorageSpot, Word
+from soup_sim.layouts import make_layout
+from soup_sim.world import World
 
 
 @pytest.fixture
-def world() -> TinyWorld:
+def world() -> World:
     """Buckets 0 and 1 hold kind 0, 1 also kind 1; word 0 is open, word 1 waits, a bundle of 3 is staged."""
-    layout = layout_of(3, 5, 2, 2)
-    world = TinyWorld(scenario_of(), layout, [(0, 0, 1), (2,)], np.random.default_rng(0))
-    world.contents[0] = {0: 2}
-    world.contents[1] = {0: 1, 1: 1}
-    world.open[0] = 1, replace(world.waiting.pop(0), filled=(False, False, False))
-    world.staged[0] = 3, Bundle(0, 5, 3)
-    world.sequence = 10
-    return world
+    return let(
+        tiny_world(),
+        contents={0: {0: 2}, 1: {0: 1, 1: 1}},
+        waiting={1: (2,)},
+        opened={0: (1, (0, 0, 1), (0, 0, 0))},
+        staged={0: (3, 5, 3)},
+        sequence=10,
+    )
 
 
 @pytest.fixture
@@ -102,7 +104,7 @@ def test_a_bundle_that_arrived_waits_until_it_is_staged(view):
 
 def test_a_bucket_leaves_its_spot_with_a_bot_and_rests_where_it_is_released(view, world):
     home = view.spot_of[4]
-    other = next(spot for spot in world.spots if view.bucket_at[spot] < 0)
+    other = next(spot for spot in world.snapshot().storage_spots if view.bucket_at[spot] < 0)
     x, y = world.layout.waypoints[other]
     view.apply(Event(0.0, 11, EventType.GRABBED, bot=2, bucket=4, x=3.0, y=3.0))
     assert view.bucket_at[home] == -1
@@ -115,9 +117,9 @@ def test_a_bucket_leaves_its_spot_with_a_bot_and_rests_where_it_is_released(view
 
 
 def test_a_waypoint_becomes_a_storage_spot_and_a_storage_spot_a_waypoint(view, world):
-    lane = next(w for w in range(len(world.layout.waypoints)) if w not in world.spots)
-    gone = next(spot for spot in world.spots if view.bucket_at[spot] < 0)
-    assert view.storage_spots == set(world.spots)
+    lane = next(w for w in range(len(world.layout.waypoints)) if w not in world.snapshot().storage_spots)
+    gone = next(spot for spot in world.snapshot().storage_spots if view.bucket_at[spot] < 0)
+    assert view.storage_spots == set(world.snapshot().storage_spots)
     x, y = map(float, world.layout.waypoints[lane])
     assert view.spot_at(x, y) == -1
     view.apply(Event(0.0, 11, EventType.SPOT_MADE, waypoint=lane, x=x, y=y))
@@ -126,14 +128,15 @@ def test_a_waypoint_becomes_a_storage_spot_and_a_storage_spot_a_waypoint(view, w
     x, y = map(float, world.layout.waypoints[gone])
     view.apply(Event(0.0, 12, EventType.SPOT_REMOVED, waypoint=gone, x=x, y=y))
     assert view.spot_at(x, y) == -1
-    assert view.storage_spots == {*world.spots, lane} - {gone}
+    assert view.storage_spots == {*world.snapshot().storage_spots, lane} - {gone}
 
 
 @given(st.lists(st.tuples(st.integers(0, 99), st.integers(0, 99)), min_size=1, max_size=40), st.integers(0, 2**32 - 1))
 def test_the_storage_spots_near_a_place_are_found_nearest_first(points, seed):
     rng = np.random.default_rng(seed)
-    layout = replace(layout_of(3, 5, 2, 2), waypoints=np.array(points, float))
-    view = WarehouseView(scenario_of(), layout)
+    scenario = scenario_of()
+    layout = replace(make_layout(scenario), waypoints=np.array(points, float))
+    view = WarehouseView(scenario, layout)
     view.is_storage_spot[:] = rng.random(len(points)) < 0.7
     for x, y in rng.uniform(-30, 130, (10, 2)):
         distances = ((layout.waypoints - (x, y)) ** 2).sum(axis=1)
@@ -143,15 +146,18 @@ def test_the_storage_spots_near_a_place_are_found_nearest_first(points, seed):
 
 
 def test_a_newcomer_learns_the_storage_spots_of_the_moment(world):
-    world.spots = world.spots[:-1]
     view = WarehouseView(world.scenario, world.layout)
     view.reset(world.snapshot())
-    assert view.storage_spots == set(world.spots)
+    gone = next(spot for spot in view.storage_spots if view.bucket_at[spot] < 0)
+    world.handle(SetStorageSpot(gone, False))
+    view = WarehouseView(world.scenario, world.layout)
+    view.reset(world.snapshot())
+    assert view.storage_spots == set(world.layout.storage_spots.tolist()) - {gone}
 
 
 def test_a_world_that_is_started_again_is_taken_over_though_it_counts_its_events_anew(view, world):
     view.apply(transfer(11, bucket=0, station=1, tile=0, job=0))
-    world.sequence = 0
+    let(world, sequence=0)
     assert not view.reset(world.snapshot())
     assert view.reset(replace(world.snapshot(), run=7))
     assert (view.run, view.sequence, view.lost) == (7, 0, False)
@@ -162,7 +168,7 @@ def test_a_world_that_is_started_again_is_taken_over_though_it_counts_its_events
 def test_a_view_that_has_lost_an_old_world_joins_the_new_one(view, world):
     view.apply(transfer(13, bucket=0, station=1, tile=0, job=0))
     assert view.lost
-    world.sequence = 2
+    let(world, sequence=2)
     assert view.reset(replace(world.snapshot(), run=7))
     assert not view.lost
 
@@ -181,9 +187,7 @@ def test_a_gap_in_the_events_asks_for_a_snapshot_that_is_new_enough(view, world)
     assert view.contents[0] == {0: 2}
     view.reset(old)
     assert view.lost
-    world.sequence = 13
-    world.contents[0] = {0: 1}
-    view.reset(world.snapshot())
+    view.reset(let(world, contents={0: {0: 1}}, sequence=13).snapshot())
     assert not view.lost
     assert view.contents[0] == {0: 1}
     assert view.apply(transfer(14, bucket=0, station=1, tile=0, job=0))
@@ -195,14 +199,14 @@ def test_a_snapshot_that_holds_nothing_new_changes_nothing(view, world):
 
 
 def test_a_snapshot_that_holds_more_is_taken_over(view, world):
-    world.sequence = 12
+    let(world, sequence=12)
     assert view.reset(world.snapshot())
     assert view.sequence == 12
 
 
 def test_an_event_far_ahead_that_was_nobodys_does_not_keep_a_view_lost(view, world):
     view.apply(transfer(5_000, bucket=0, station=1, tile=0, job=0))
-    world.sequence = 11
+    let(world, sequence=11)
     assert not view.reset(world.snapshot())
     assert view.reset(world.snapshot())
     assert not view.lost

@@ -1,28 +1,22 @@
 """Which word is opened: the one that buckets at hand serve best, none too late, and none that there is no room for."""
 
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from managers_world import TinyWorld, layout_of, scenario_of
+from tiny_warehouse import BUCKETS, BUNDLE, CAPACITY, let, tiny_world
 
 from soup_managers.policies.letter import Ahead
 from soup_managers.policies.word import Served
 from soup_managers.view import WarehouseView
-from soup_msgs_py.messages import Word
-
-BUCKETS, CAPACITY, BUNDLE = 9, 8, 3
 
 
 def view_of(words: dict[int, tuple[int, ...]], tiles: Sequence[int], *open_words: tuple[int, ...]) -> WarehouseView:
-    """A warehouse with nine buckets of eight tiles; bundles have three."""
-    rng = np.random.default_rng(1)
-    world = TinyWorld(scenario_of(initial_inventory=0.5), layout_of(3, 3, 2, 2), [], rng)
-    world.waiting = {number: Word(number, "", letters) for number, letters in words.items()}
-    world.open = {
-        -1 - k: (1, Word(-1 - k, "", letters, (False,) * len(letters))) for k, letters in enumerate(open_words)
-    }
-    world.fill(list(tiles))
+    """A warehouse whose buckets are filled in turn; the open words are on the second station."""
+    contents = {bucket: Counter(tiles[bucket::BUCKETS]) for bucket in range(BUCKETS)}
+    opened = {-1 - k: (1, letters, (0,) * len(letters)) for k, letters in enumerate(open_words)}
+    world = let(tiny_world(initial_inventory=0.5), contents=contents, waiting=words, opened=opened)
     view = WarehouseView(world.scenario, world.layout)
     view.reset(world.snapshot())
     return view
