@@ -1,4 +1,7 @@
-"""Who is in charge of a role where several could be: the first, and when it goes the next. It knows no clock."""
+"""The rules of leader election: who is in charge of a role where several could be. They know no clock.
+
+The first is, and when it goes the next.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Managers that stand by and take over, and how others notice."""
+"""Leader election: managers that stand by and take over, and how others notice; the rules are in `election_rules`."""
 
 from __future__ import annotations
 

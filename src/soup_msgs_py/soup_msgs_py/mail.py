@@ -1,7 +1,8 @@
 """What a part has said to other parts and heard from them, counted: so the world knows what is still under way.
 
 A message between two parts (an order, an outcome, a goal, its result) does not pass the world, and takes wall time.
-Each end counts it under the name of a channel, and tells the world what has changed with each `Heard`.
+Each end counts it under the name of a channel, and tells the world what has changed with each `Heard`. The names here
+are those that `wire.rows` lets pass.
 """
 
 from __future__ import annotations

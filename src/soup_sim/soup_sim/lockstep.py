@@ -1,4 +1,4 @@
-"""Whom the world waits for, and whom no longer. It knows no clock; wall time comes in."""
+"""Lockstep: whom the world waits for, and whom no longer. It knows no clock; wall time comes in."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a scenario file to a world: everything that is read and checked before anything starts."""
+"""Scenario loading, from a file to a world: everything that is read and checked before anything starts."""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 Times are simulated seconds, positions metres in frame `map` (x right, y up), angles radians. A number that means
 nothing in a message is -1. Tile kinds are numbered as in `tiles`, stations as in `layout`.
+
+CONTRIBUTING.md says how a new message is added.
 """
 
 from soup_msgs_py.messages.base import Floats as Floats
