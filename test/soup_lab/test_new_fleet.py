@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bare_floor import Nobody
+from successor import takes_over
 
 import _environment
 from soup_lab.headless.simulation import Headless, make_minds
@@ -38,15 +39,7 @@ def take_over(run: Headless, pause_s: float, policies: Policies = POLICIES) -> N
     policy = make_minds(policies).fleet
     view = WarehouseView(world.scenario, world.layout)
     fleet = make_fleet(world.scenario, world.layout, policy, view, np.random.default_rng(1))
-    run.replace("fleet", fleet)
-    said = fleet.handle(world.snapshot(), world.now)
-    for mind in run.crew.minds.values():
-        said += fleet.handle(mind._status(world.now), world.now)
-    run.say(fleet, said)
-    for task in tasks:
-        manager = run.word if task.kind == m.DELIVER else run.letter
-        gone = m.TaskResult(task.kind, task.task, Code.STOPPED, "the fleet manager is gone")
-        run.tell(manager, gone)
+    takes_over(run, "fleet", fleet, tasks)
 
 
 def demo(bots: int, seed: int, on_event: Callable[[m.Event], None] | None = None) -> Headless:
