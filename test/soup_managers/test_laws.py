@@ -166,6 +166,9 @@ class Warehouse(Headless):
             messages.remove(path)
             wait = 0.0 if self.instant else float(self.rng.uniform(0.1, 20.0))
             heapq.heappush(self._jumps, (self.world.now + wait, path.bot, path.request, path))
+        goals = [said.trip.bucket for said in messages if isinstance(said, TripGoal)]
+        under_way = [mind.trip.bucket for mind in self.crew.minds.values() if mind.trip is not None] if goals else []
+        assert len({*goals, *under_way}) == len(goals) + len(under_way), "a bucket is on two trips"
         for said in messages:
             if isinstance(said, Event) and said.type is EventType.WORD_COMPLETED:
                 self.completed.append(said.job)
