@@ -15,15 +15,14 @@ from soup_msgs_py.warehouse.tiles import tile_name
 
 
 def main() -> None:
-    """The shortest word that waits, where a station has a place free; else the open word that lacks most."""
+    """The open word that lacks most; where none is open, since no word manager runs, the shortest that waits."""
     with Warehouse() as warehouse:
         snapshot = warehouse.snapshot()
         opened = [word for station in snapshot.word_stations for word in station.open_words]
-        places = warehouse.scenario.word_station.open_words * len(snapshot.word_stations)
-        if len(opened) < places:
-            word = min(snapshot.waiting_words, key=lambda word: len(word.tiles))
-        else:
+        if opened:
             word = max(opened, key=lambda word: len(word.missing))
+        else:
+            word = min(snapshot.waiting_words, key=lambda word: len(word.tiles))
         completed = warehouse.watch(EventType.WORD_COMPLETED)
         delivery = warehouse.deliver(word.word)
         for feedback in warehouse.follow(delivery):
