@@ -10,6 +10,7 @@ import pytest
 from soup_msgs import msg
 
 from soup_live.handle import Refused
+from soup_live.leader_election import SILENT_S
 from soup_live.warehouse import INTERRUPTED, Warehouse
 from soup_msgs_py.codes import Code, EventType
 from soup_msgs_py.errors import InputError, RunError
@@ -144,4 +145,19 @@ def test_a_word_is_delivered_without_a_word_manager_and_time_waits_for_no_goal_o
         person.wait(lambda: "fleet manager" in heard, "the fleet manager has said how far it is")
     assert not counted & {goals(DELIVER), results(DELIVER)}
     for process in [*others, world]:
+        parts.interrupt(process)
+
+
+def test_a_script_is_patient_with_a_fleet_manager_that_is_busy(parts: Parts, prose: str):
+    world = parts.start("run_world.py", "--speed", "10", "--set", "bots=4", "--set", f"words={prose}")
+    bots, fleet = parts.start("run_bots.py", "0-3"), parts.start("run_fleet_manager.py")
+    with Warehouse(timeout_s=PATIENCE_S) as warehouse:
+        word = min(warehouse.snapshot().waiting_words, key=lambda word: len(word.tiles))
+        delivery = warehouse.deliver(word.word)
+        fleet.send_signal(signal.SIGSTOP)  # as silent as one that compiles
+        with pytest.raises(RunError, match="takes longer than"):
+            warehouse.wait(delivery, timeout_s=SILENT_S + 1.0)
+        fleet.send_signal(signal.SIGCONT)
+        warehouse.wait(delivery)
+    for process in (fleet, bots, world):
         parts.interrupt(process)

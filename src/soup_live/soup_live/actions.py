@@ -17,7 +17,7 @@ from soup_live.qos import EVERY_ONE
 from soup_msgs_py.codes import Code
 from soup_msgs_py.wire import MalformedMessage, fill_result, read_result
 
-ACCEPTED_S = 3.0  # wall time; a server that has not answered then never got the goal
+ACCEPTED_S = 3.0  # wall time; a server that has not answered then never got the goal, or is asked again
 RESULTS_KEPT_S = 5  # wall time; each is asked for as soon as who asked has heard that its goal is accepted
 
 # A profile that no action server offers. The states of all its goals, sent whenever one changes, are what an action
@@ -126,6 +126,7 @@ class GoalClient:
         term: Callable[[], int] = lambda: 0,
         sent: Callable[[], None] = lambda: None,
         ended: Callable[[], None] = lambda: None,
+        accepted_s: float = ACCEPTED_S,
     ) -> None:
         """Look for the server.
 
@@ -142,8 +143,10 @@ class GoalClient:
             term: Tells one who serves the action from the one before: with the server its goals are gone.
             sent: Is called for each goal that is on its way to the server.
             ended: Is called for each result that comes from it, before `on_result` is.
+            accepted_s: Wall time after which a server that has not answered never got the goal.
         """
         self._term, self._sent, self._ended = term, sent, ended
+        self._accepted_s = accepted_s
         self.client = ActionClient(
             node,
             kind,
@@ -207,7 +210,7 @@ class GoalClient:
             return
         ready, wall, term = self.ready, time.monotonic(), self._term()
         for running in [running for running in self._goals.values() if running.sent]:
-            lost = running.handle is None and wall - running.sent_at > ACCEPTED_S
+            lost = running.handle is None and wall - running.sent_at > self._accepted_s
             if lost or not ready or running.term != term:
                 self._end(running, Code.STOPPED, "who was asked is gone")
         if ready:

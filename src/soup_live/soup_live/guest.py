@@ -31,6 +31,7 @@ from soup_msgs_py.wire import Announcement, from_ros, read_result
 
 TIMEOUT_S = 20.0  # wall time in which a warehouse, or who serves what is asked for, is found
 SILENT_S = 10.0  # wall time after which a world that says nothing is gone; it sends a snapshot every second
+ACCEPTED_S = 120.0  # wall time; a fleet manager that has just begun may still have to compile what it computes with
 LEAVE_S = 5.0  # wall time that those who were asked get to end what is cancelled at the end
 LOOK_S = 0.1
 Told = TypeVar("Told", Bots, Buckets, Stations)
@@ -132,14 +133,16 @@ class Guest:
     def _action_client(self, kind: Any, name: str, profile: QoSProfile) -> GoalClient:
         client = self._action_clients.get(name)
         if client is None:
-            claim = (lambda: self._fleet.claim) if name == topics.DELIVER_LETTERS else None
+            # who looks for signs, as managers do, asks again where somebody was only busy; a script would not
+            term = (lambda: self._fleet.newest) if name == topics.DELIVER_LETTERS else (lambda: 0)
             client = self._action_clients[name] = GoalClient(
-                self._live, self._node, kind, name, signs=claim, profile=profile, term=claim or (lambda: 0)
+                self._live, self._node, kind, name, profile=profile, term=term, accepted_s=ACCEPTED_S
             )
         return client
 
     def _find_server(self, client: GoalClient, name: str, starter: str) -> None:
-        self._find(lambda: client.ready, f"nobody serves {name}", starter)
+        is_known = (lambda: self._fleet.newest > 0) if name == topics.DELIVER_LETTERS else (lambda: True)
+        self._find(lambda: client.ready and is_known(), f"nobody serves {name}", starter)
 
     def _send(self, client: GoalClient, name: str, goal: Any, what: str, starter: str) -> Handle:
         self._find_server(client, name, starter)

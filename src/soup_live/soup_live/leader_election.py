@@ -62,6 +62,11 @@ class ChargeWatch:
         """
         return self._claims if self.alive() else 0
 
+    @property
+    def newest(self) -> int:
+        """The same of whoever was heard last, though silent now: for who is patient with one that is busy."""
+        return self._claims
+
     def alive(self, own: int | None = None, *, speaks: bool = False) -> int:
         """How many are in charge, or claim to be.
 
