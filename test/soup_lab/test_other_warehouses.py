@@ -42,6 +42,15 @@ def test_amounts_in_tiles_do_what_shares_do() -> None:
     assert completed("demo", 200.0, policies=tiles) == completed("demo", 200.0)
 
 
+def test_few_bots_are_spared() -> None:
+    """Too few bots for the stations cross the floor with full buckets, and serve what is near them."""
+    fleet = BEST.fleet.model_copy(update={"options": {**BEST.fleet.options, "onward": "serve_on"}})
+    lavish = BEST.model_copy(update={"fleet": fleet})
+    assert len(completed("paper", 1800.0, "bots=12")) > 1.4 * len(
+        completed("paper", 1800.0, "bots=12", policies=lavish)
+    )
+
+
 def test_stations_that_no_bucket_serves_leave_the_bots_to_others() -> None:
     """Nine word stations that lack letters must not keep three bots from the letter stations, where these come in."""
     words = completed("demo", 1800.0, "bots=3", "word_stations=9", "buckets=4", "initial_inventory=0.7")

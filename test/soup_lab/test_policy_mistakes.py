@@ -91,7 +91,7 @@ def run(own: Path, capsys: pytest.CaptureFixture[str], *policies: str) -> tuple[
     """Exit status, what stderr says, and the mistakes in the summary of a short run."""
     summary = own.with_name("summary.json")
     options = [word.replace("OWN", str(own)) for word in policies]
-    status = headless_cli.main([*options, "--duration", "60", "--set", "bots=6", "--summary", str(summary)])
+    status = headless_cli.main([*options, "--duration", "300", "--set", "bots=6", "--summary", str(summary)])
     figures = json.loads(summary.read_text("utf-8")) if summary.exists() else {}
     assert figures.get("violations", 0) == 0
     return status, capsys.readouterr().err, figures.get("policy_mistakes", {})

@@ -22,7 +22,7 @@ from soup_managers.decisions.buckets import (
     NearestBucket,
 )
 from soup_managers.decisions.fills import Association, Emptiest, FillChoice, NearestWithRoom, Popular, RandomFill
-from soup_managers.decisions.onward import AlwaysStore, OnwardChoice, ServeOn
+from soup_managers.decisions.onward import AlwaysStore, OnwardChoice, ServeOn, Sparing
 from soup_managers.decisions.storage import (
     Fixed,
     NearestSpot,
@@ -56,4 +56,4 @@ STORAGE: dict[str, type[StorageChoice]] = {
     "popularity_zones": PopularityZones,
     "station_cache": StationCache,
 }
-ONWARD: dict[str, type[OnwardChoice]] = {"store": AlwaysStore, "serve_on": ServeOn}
+ONWARD: dict[str, type[OnwardChoice]] = {"store": AlwaysStore, "serve_on": ServeOn, "sparing": Sparing}

@@ -70,13 +70,25 @@ class MostTilesPerSecond(BucketChoice):
         overhead_s: What a visit costs besides: the swap at the dock, the bot's way to the bucket.
         travel_weight: What a second of the bot's way to the station counts.
         late_weight: What a second counts during which the station would stand idle until the bucket comes.
+        scarce_weight: Where bots are scarce, what a second of the bot's way to the bucket and to the station counts;
+            while the station has work ahead, the bot waits there at full weight.
     """
 
-    def __init__(self, overhead_s: float = 15.0, travel_weight: float = 0.3, late_weight: float = 1.0) -> None:
+    def __init__(
+        self,
+        overhead_s: float = 15.0,
+        travel_weight: float = 0.3,
+        late_weight: float = 1.0,
+        scarce_weight: float = 0.6,
+    ) -> None:
         self._overhead_s, self._travel_weight, self._late_weight = overhead_s, travel_weight, late_weight
+        self._scarce_weight = scarce_weight
 
     def score(self, state: PlanningState, want: Want) -> Floats:
         """Tiles over seconds."""
+        if want.bot_s is not None:
+            bot_s = np.maximum(self._scarce_weight * (want.bot_s + want.travel_s), want.ahead_s)
+            return want.tiles / (bot_s + self._overhead_s + want.tiles * want.transfer_s)
         late_s = np.maximum(0.0, want.travel_s + state.fetch_s - want.ahead_s)
         cost_s = want.tiles * want.transfer_s + self._overhead_s
         return want.tiles / (cost_s + self._travel_weight * want.travel_s + self._late_weight * late_s)

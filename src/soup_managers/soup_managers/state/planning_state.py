@@ -18,6 +18,8 @@ from soup_msgs_py.warehouse.layout import Floats, Ints
 if TYPE_CHECKING:
     from soup_managers.traffic import Traffic
 
+IDEAL_TIMES = 2.0  # so many times the bots that an ideal fleet needs make it reach the pace of the stations
+TINY_S = 1e-6  # stands for transfers that take no time
 FETCH_S = 10.0  # a usual time for a bot to get to a bucket
 
 
@@ -31,6 +33,8 @@ class Want:
         tiles: How many tiles that nobody brings yet each bucket holds, shape (buckets,).
         travel_s: The way of each bucket to the station (s), shape (buckets,).
         transfer_s: Time that a tile takes there.
+        bot_s: Where bots are scarce, the way to each bucket of the bot that would fetch it (s), shape (buckets,); None
+            where there is a bot for every station.
     """
 
     station: int
@@ -38,6 +42,7 @@ class Want:
     tiles: Ints
     travel_s: Floats
     transfer_s: float
+    bot_s: Floats | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,6 +130,7 @@ class PlanningState:
         self.approach_s = [float(traffic.times_to(dock)[spots].mean()) for dock in self.docks]
         self.first_place = np.zeros((0, 2))
         self._outlooks: dict[int, tuple[float, NDArray[np.int64], Ints]] = {}
+        self._is_fleet_small = self._needs_all_bots()
         self.take_over()
 
     def take_over(self) -> None:
@@ -177,6 +183,36 @@ class PlanningState:
         """The bots that stand with nothing to do and nothing on them, ascending."""
         stands, none = Activity.STANDS, Purpose.NONE  # looked up once: all bots are asked every second
         return [r.number for r in self.robots if r.activity is stands and r.purpose is none and r.bucket < 0]
+
+    def bots_are_scarce(self) -> bool:
+        """Whether there are too few bots for all stations, and fewer idle ones than stations that want a bucket."""
+        if not self._is_fleet_small:
+            return False
+        return len(self.idle_bots()) < len(self.short_word_stations()) + len(self.short_letter_stations())
+
+    def _needs_all_bots(self) -> bool:
+        """Whether the stations could use more bots than there are.
+
+        A letter costs a bot its two transfers and, in a full bucket, its share of the way from the word stations to the
+        letter stations and back; with all that is not ideal, about `IDEAL_TIMES` as much.
+        """
+        words, letters = range(self.word_stations), range(self.word_stations, len(self.docks))
+        out_s = np.mean([min(self.travel_s(self.docks[word], letter) for letter in letters) for word in words])
+        back_s = np.mean([min(self.travel_s(self.docks[letter], word) for word in words) for letter in letters])
+        scenario = self.view.scenario
+        word_s, letter_s = self._word_transfer_s, self._letter_transfer_s
+        bot_s = word_s + letter_s + float(out_s + back_s) / scenario.bucket.capacity
+        # letters a second that the stations take, times bot seconds a letter
+        return scenario.bots < IDEAL_TIMES * bot_s * min(
+            len(words) / max(word_s, TINY_S), len(letters) / max(letter_s, TINY_S)
+        )
+
+    @property
+    def missing_stock(self) -> float:
+        """How much of the stock of the start is not there now, as a share of it; 0 where there is more."""
+        scenario = self.view.scenario
+        start = scenario.initial_inventory * scenario.bucket.capacity * scenario.buckets
+        return max(0.0, 1.0 - float(self.stock.total.sum()) / start) if start > 0 else 0.0
 
     # ---- demand --------------------------------------------------------------------------------------------
 

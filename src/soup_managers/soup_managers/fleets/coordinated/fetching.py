@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from soup_msgs_py.mistakes import Mistakes
 from soup_msgs_py.warehouse.layout import Ints
 
 TRIES = 8  # buckets that are looked at for a station
+STATIONS = 40  # the nearest ones that a scarce bot looks at
 UNREACHABLE_S = 5.0  # how long a bucket is left alone after no way led to it
 DIG_DISCOUNT = 0.5  # what a bucket is worth for each other one that must be moved first
 
@@ -76,9 +77,13 @@ class Fetching:
         idle = state.idle_bots()
         if not idle:
             return []
-        short = [(state.ahead_s(station), station) for station in state.short_word_stations()]
-        short += [(state.ahead_s(station), station) for station in state.short_letter_stations()]
-        wanted = self._choose_buckets(self._demands([station for _, station in sorted(short)], len(idle), now), idle)
+        words, letters = state.short_word_stations(), state.short_letter_stations()
+        wanted: list[Wanted] = []
+        if state.bots_are_scarce() and not self._digging.needed:
+            wanted = self._choose_for_bots(idle, words, now)
+        if not wanted:
+            short = sorted((state.ahead_s(station), station) for station in words + letters)
+            wanted = self._choose_buckets(self._demands([station for _, station in short], len(idle), now), idle)
         fetches = self._choose_bots(wanted, idle, now)
         self._diggers |= {fetch.wanted.station: fetch.robot for fetch in fetches if fetch.wanted.digs}
         return fetches
@@ -90,6 +95,40 @@ class Fetching:
         if bucket < 0 or not self._is_reachable(bucket, idle):
             return None
         return next(iter(self._choose_bots([Wanted(bucket, -1, True)], idle, now)), None)
+
+    # ---- where bots are scarce -----------------------------------------------------------------------------
+
+    def _choose_for_bots(self, idle: list[int], stations: list[int], now: float) -> list[Wanted]:
+        """For each idle bot the bucket and word station that it serves best from where it stands.
+
+        Who then goes to a letter station is decided when a bucket is done at its word station.
+        """
+        state, speed = self._state, self._state.view.scenario.bot.max_speed_mps
+        usable = state.free_buckets & (self._not_before <= now)
+        places = state.layout.waypoints[np.maximum(state.view.spot_of, 0)]
+        wants = {station: state.want(station) for station in stations}
+        wanted: list[Wanted] = []
+        for bot in idle:
+            if not wants:
+                break
+            robot = state.robots[bot]
+            near = sorted(wants, key=lambda station: state.travel_s(robot.waypoint, station))[:STATIONS]
+            bot_s = np.abs(places - state.robot_xy[bot]).sum(axis=1) / speed
+            asked = [replace(wants[station], bot_s=bot_s) for station in near]
+            scored = [self._policy.buckets.score(state, want) for want in asked]
+            scores = np.array(list(self._bucket_scores.of_all(scored, len(near), len(usable))))
+            scores[:, ~usable] = 0.0
+            for place in lowest(-scores.ravel(), TRIES):
+                row, bucket = divmod(int(place), len(usable))
+                if scores[row, bucket] <= 0.0:
+                    break
+                if self._is_reachable(bucket, [bot]):
+                    self._explain.choice("buckets", bucket, scores[row], station=near[row])
+                    wanted.append(Wanted(bucket, near[row], False))
+                    usable[bucket] = False
+                    del wants[near[row]]
+                    break
+        return wanted
 
     # ---- bots ----------------------------------------------------------------------------------------------
 
