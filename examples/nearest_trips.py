@@ -37,4 +37,4 @@ class NearestTrips(FleetPolicy):
                 fleet.defer(letter)
                 continue
             _, bot, bucket = min(trips)
-            yield TripPlan(bot, bucket, (PlannedVisit(letter.station, (letter,)),), view.spot_of[bucket])
+            yield TripPlan(bot, bucket, (PlannedVisit(letter.station, (letter,)),), int(view.spot_of[bucket]))

@@ -97,8 +97,9 @@ class Explain:
         alternatives = [
             {"choice": int(called[k]), **name(int(called[k])), "score": round(float(scores[k]), 6)} for k in best
         ]
-        tile = {"tile_name": tile_name(about["tile"])} if "tile" in about else {}
-        entry = {"time": round(self.now, 6), "decision": decision, **about, **tile, "chosen": int(chosen)}
+        numbers = {key: int(value) for key, value in about.items()}  # those of arrays are numpy's own
+        tile = {"tile_name": tile_name(numbers["tile"])} if "tile" in about else {}
+        entry = {"time": round(self.now, 6), "decision": decision, **numbers, **tile, "chosen": int(chosen)}
         self._sink({**entry, **name(int(chosen)), "alternatives": alternatives})
 
 

@@ -222,7 +222,7 @@ class TripFleet(Fleet[LetterTask]):
         """Have an idle bot put its bucket where it came from, or on the nearest free spot."""
         view, fleet = self.view, self._fleet
         bucket = self._status[bot].bucket
-        spot = view.spot_of[bucket]
+        spot = int(view.spot_of[bucket])
         if spot < 0 or not fleet.is_free_spot(spot):
             spot = fleet.nearest_free_spot(float(view.bot_x[bot]), float(view.bot_y[bot]))
         if spot < 0 or not self._start(TripPlan(bot, bucket, (), spot), now, said):

@@ -66,5 +66,7 @@ class Minimal(FleetPolicy):
             under = fleet.bot_under(bucket)
             bot = first(fleet.free_bots) if under < 0 else under
             if fleet.free_bots >> bot & 1:
-                return TripPlan(bot, bucket, (PlannedVisit(letter.station, (letter,)),), fleet.view.spot_of[bucket])
+                return TripPlan(
+                    bot, bucket, (PlannedVisit(letter.station, (letter,)),), int(fleet.view.spot_of[bucket])
+                )
         return None
