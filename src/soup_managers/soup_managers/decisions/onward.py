@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
 import numpy as np
 
@@ -52,22 +53,18 @@ class ServeOn(OnwardChoice):
 
     def score(self, state: PlanningState, robot: Robot) -> Floats:
         """Word stations above 1, letter stations below."""
-        scores = np.zeros(len(state.docks))
+
+        def visit_s(station: int, tiles: int) -> float:
+            return tiles * state.transfer_s(station) + state.travel_s(robot.waypoint, station) + self._overhead_s
+
+        def wait_s(station: int) -> float:
+            return state.ahead_s(station) + state.travel_s(robot.waypoint, station)
+
         least_tiles, least_room = state.tiles_of(self._least_tiles), state.tiles_of(self._least_room)
-        for station in state.short_word_stations():
-            tiles = state.serves(robot.bucket, station)
-            if tiles >= least_tiles:
-                travel_s = state.travel_s(robot.waypoint, station)
-                cost_s = tiles * state.transfer_s(station) + travel_s + self._overhead_s
-                scores[station] = 1.0 + tiles / cost_s
-        if not scores.any() and state.room(robot.bucket) >= least_room:
-            for station in state.short_letter_stations():
-                wait_s = state.ahead_s(station) + state.travel_s(robot.waypoint, station)
-                scores[station] = 1.0 / (1.0 + wait_s)
-        return scores
+        return _words_before_letters(state, robot, least_tiles, visit_s, least_room, wait_s)
 
 
-class Sparing(ServeOn):
+class Sparing(OnwardChoice):
     """Sparing with bots where they are scarce: as few of their seconds for a letter as may be. Else as `serve_on`.
 
     On to the word station with most tiles per second, waits counted, but to none that costs too much for what it
@@ -90,30 +87,62 @@ class Sparing(ServeOn):
         least_room: float = 0.7,
         balance: float = 5.0,
     ) -> None:
-        super().__init__()
-        self._few_tiles, self._most_s, self._hop_s = least_tiles, most_s, overhead_s
-        self._full_room, self._balance = least_room, balance
+        self._plenty = ServeOn()
+        self._least_tiles, self._most_s, self._overhead_s = least_tiles, most_s, overhead_s
+        self._least_room, self._balance = least_room, balance
 
     def score(self, state: PlanningState, robot: Robot) -> Floats:
         """Word stations above 1, letter stations below."""
         if not state.bots_are_scarce():
-            return super().score(state, robot)
-        scores = np.zeros(len(state.docks))
-        least_tiles, is_filled = state.tiles_of(self._few_tiles), robot.station >= state.word_stations
-        for station in state.short_word_stations():
-            tiles = state.serves(robot.bucket, station)
-            if tiles >= least_tiles:
-                wait_s = max(state.travel_s(robot.waypoint, station), state.ahead_s(station)) + self._hop_s
-                if is_filled or wait_s <= self._most_s * tiles:
-                    scores[station] = 1.0 + tiles / wait_s
-        if not scores.any() and state.room(robot.bucket) >= self._enough_room(state):
-            for station in state.short_letter_stations():
-                wait_s = max(state.travel_s(robot.waypoint, station), state.ahead_s(station))
-                scores[station] = 1.0 / (1.0 + wait_s)
-        return scores
+            return self._plenty.score(state, robot)
+        is_filled = robot.station >= state.word_stations
+
+        def wait_s(station: int) -> float:
+            return max(state.travel_s(robot.waypoint, station), state.ahead_s(station))
+
+        def visit_s(station: int, tiles: int) -> float | None:
+            cost_s = wait_s(station) + self._overhead_s
+            return cost_s if is_filled or cost_s <= self._most_s * tiles else None
+
+        least_tiles = state.tiles_of(self._least_tiles)
+        return _words_before_letters(state, robot, least_tiles, visit_s, self._enough_room(state), wait_s)
 
     def _enough_room(self, state: PlanningState) -> float:
         """The room with which a bucket goes to be filled (tiles)."""
         capacity = state.view.scenario.bucket.capacity
-        room = state.tiles_of(self._full_room) - self._balance * state.missing_stock * capacity
+        room = state.tiles_of(self._least_room) - self._balance * state.missing_stock * capacity
         return max(room, LEAST_ROOM * capacity)
+
+
+def _words_before_letters(
+    state: PlanningState,
+    robot: Robot,
+    least_tiles: int,
+    visit_s: Callable[[int, int], float | None],
+    least_room: float,
+    wait_s: Callable[[int], float],
+) -> Floats:
+    """The word stations by tiles a second or, where none is worth a visit, the letter stations by the wait.
+
+    Args:
+        state: The warehouse.
+        robot: The bot, with its bucket.
+        least_tiles: With fewer tiles a word station is not visited.
+        visit_s: What a visit of a word station costs for so many tiles (s); None where it is not worth it.
+        least_room: With less room the bucket is not taken to a letter station (tiles).
+        wait_s: How long it takes until a letter station begins with the bucket (s).
+
+    Returns:
+        Scores, shape (stations,): of word stations above 1, of letter stations below.
+    """
+    scores = np.zeros(len(state.docks))
+    for station in state.short_word_stations():
+        tiles = state.serves(robot.bucket, station)
+        if tiles >= least_tiles:
+            cost_s = visit_s(station, tiles)
+            if cost_s is not None:
+                scores[station] = 1.0 + tiles / cost_s
+    if not scores.any() and state.room(robot.bucket) >= least_room:
+        for station in state.short_letter_stations():
+            scores[station] = 1.0 / (1.0 + wait_s(station))
+    return scores
