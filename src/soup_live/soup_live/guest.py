@@ -9,8 +9,7 @@ import signal
 import time
 from collections import deque
 from collections.abc import Callable
-from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 from rclpy.qos import QoSProfile
 from soup_msgs import msg
@@ -24,6 +23,7 @@ from soup_live.leader_election import ChargeWatch
 from soup_live.process import LEAVES, Live
 from soup_live.qos import EVERY_ONE, LATCHED, WATCH
 from soup_msgs_py import topics
+from soup_msgs_py.closes import Closes
 from soup_msgs_py.codes import Code
 from soup_msgs_py.errors import RunError
 from soup_msgs_py.messages import Bots, Buckets, Event, Snapshot, Stations
@@ -37,7 +37,7 @@ LOOK_S = 0.1
 Told = TypeVar("Told", Bots, Buckets, Stations)
 
 
-class Guest:
+class Guest(Closes):
     """Finds the warehouse of this `ROS_DOMAIN_ID`, hears the world, asks servers, cancels what is left at the end.
 
     It says nothing that the world waits for: simulated time goes on, whatever it does. Messages come in while it waits.
@@ -100,16 +100,6 @@ class Guest:
             live.follow(node, kind, topic, self._on_told, WATCH, run=self._run)
         live.follow(node, msg.Event, topics.EVENTS, self._on_event, EVERY_ONE, run=self._run)
         live.every(LOOK_S, self._look)
-
-    def __enter__(self) -> Self:
-        """Nothing more than the constructor did."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Cancel what is under way, and leave."""
-        self.close()
 
     def close(self) -> None:
         """Cancel what is under way, and leave the graph. Can be called twice."""

@@ -12,7 +12,6 @@ import signal
 import sys
 import time
 from collections.abc import Callable
-from types import TracebackType
 from typing import Any
 
 import rclpy
@@ -27,6 +26,7 @@ from rclpy.subscription import Subscription
 from soup_live.domain_id import domain_id
 from soup_live.ending import Ending, disarm
 from soup_msgs_py.blame import blaming
+from soup_msgs_py.closes import Closes
 from soup_msgs_py.command_line.display import display
 from soup_msgs_py.errors import InputError, RunError
 from soup_msgs_py.wire import MalformedMessage, from_ros, read_cdr
@@ -37,7 +37,7 @@ TOLD_MS = 100  # wall time (ms) in which a process that was stopped is told that
 LEAVES = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-class Live:
+class Live(Closes):
     """A process in the live graph; use it as a context manager.
 
     Attributes:
@@ -249,16 +249,6 @@ class Live:
         self._stopping = True
         if self._error is not None:
             raise self._error
-
-    def __enter__(self) -> Live:
-        """Nothing more than the constructor did."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Leave the graph."""
-        self.close()
 
     def close(self) -> None:
         """Leave the graph; other parts learn of it at once. Can be called twice."""

@@ -9,7 +9,6 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from operator import itemgetter
 from pathlib import Path
-from types import TracebackType
 
 from rosbags.interfaces import Qos
 
@@ -18,6 +17,7 @@ from soup_lab.bags.metadata import ALLOWED, BagMetadata, read_metadata
 from soup_lab.bags.repair import is_cut_off, qos_of, repair
 from soup_lab.bags.writer import METADATA
 from soup_msgs_py import topics
+from soup_msgs_py.closes import Closes
 from soup_msgs_py.errors import InputError
 
 WINDOW_NS = 1_000_000_000  # first step of a search backwards; each further one is twice as long
@@ -55,7 +55,7 @@ def open_bag(folder: Path) -> Bag:
     return bag
 
 
-class Bag:
+class Bag(Closes):
     """An open bag; use it as a context manager. Times are ns since 1970 on the recorder's clock.
 
     Attributes:
@@ -107,16 +107,6 @@ class Bag:
         self.first = min((piece.first for _, piece in self._pieces), default=0)
         self.last = max((piece.last for _, piece in self._pieces), default=0)
         self._instants: list[tuple[float, int]] | None = None
-
-    def __enter__(self) -> Bag:
-        """Nothing more than the constructor did."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Close the bag."""
-        self.close()
 
     def close(self) -> None:
         """Close its files."""
