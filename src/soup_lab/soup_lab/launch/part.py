@@ -37,6 +37,7 @@ def become(name: str, module: str, arguments: tuple[str, ...], errors: Path, env
     os.setsid()  # a Ctrl-C reaches only the starter
     be_guarded()
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # which may end a part before it is one
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})  # it was forked from a process that waits with it
     end_with(os.getppid(), signal.SIGTERM)
     starter = multiprocessing.parent_process()
     if starter is None or not starter.is_alive():

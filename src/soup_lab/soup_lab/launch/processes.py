@@ -7,7 +7,7 @@ import os
 import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
-from multiprocessing import forkserver
+from multiprocessing import forkserver, resource_tracker
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
 
@@ -41,11 +41,13 @@ def load_ahead() -> None:
     """Begin to load what all parts need, in a process of its own, from which they are forked later."""
     ahead = [f"soup_lab.launch.{module}" for module in ("parent_death", "forkserver_preload")]
     multiprocessing.get_context("forkserver").set_forkserver_preload(ahead)
-    usual = signal.signal(signal.SIGINT, signal.SIG_IGN)  # it inherits that: a Ctrl-C is the starter's to act on
+    resource_tracker.ensure_running()  # where the next line finds none, it starts one and lets SIGINT through again
+    # It inherits that: a Ctrl-C is the starter's to act on. Ignored meanwhile, it would be lost; so it waits.
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         forkserver.ensure_running()
     finally:
-        signal.signal(signal.SIGINT, usual)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 class Processes:
