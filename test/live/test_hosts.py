@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import time
@@ -24,9 +25,10 @@ def ip(*arguments: str) -> None:
 
 def can_make_hosts() -> bool:
     """Whether this machine lets a test make network namespaces."""
+    probe = f"soup-probe-{os.getpid()}"  # two test runs at once may ask at the same moment
     try:
-        ip("netns", "add", "soup-probe")
-        ip("netns", "del", "soup-probe")
+        ip("netns", "add", probe)
+        ip("netns", "del", probe)
     except (OSError, subprocess.CalledProcessError):
         return False
     return True
