@@ -41,7 +41,7 @@ def load_ahead() -> None:
     """Begin to load what all parts need, in a process of its own, from which they are forked later."""
     ahead = [f"soup_lab.launch.{module}" for module in ("parent_death", "forkserver_preload")]
     multiprocessing.get_context("forkserver").set_forkserver_preload(ahead)
-    resource_tracker.ensure_running()  # where the next line finds none, it starts one and lets SIGINT through again
+    resource_tracker.ensure_running()  # else the fork server's start does it, which lets SIGINT through again
     # It inherits that: a Ctrl-C is the starter's to act on. Ignored meanwhile, it would be lost; so it waits.
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
