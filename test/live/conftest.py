@@ -116,12 +116,14 @@ class Parts:
         return used
 
     def close(self) -> None:
-        """Kill what is left."""
+        """Kill what is left; what each part said is shown where the test has failed."""
+        status = {process: process.poll() for process in self._started}
         for number in self.alive():
             with contextlib.suppress(ProcessLookupError):
                 os.kill(number, signal.SIGKILL)
         for process in self._started:
-            process.communicate()
+            said = "\n".join(process.communicate())[-2000:]
+            print(process.args, "ran" if status[process] is None else f"had ended with {status[process]}", said)
 
 
 @pytest.fixture
