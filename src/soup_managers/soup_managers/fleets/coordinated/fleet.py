@@ -280,12 +280,17 @@ class CoordinatedFleet(Fleet[Task]):
         for bot, robot in self._liveness.lost.items():
             if bots.vx[bot] != 0.0 or bots.vy[bot] != 0.0:
                 robot.not_seen_before(float(np.nextafter(bots.time, np.inf)))  # to be seen again, at rest
-        for robot in self._liveness.struck(bots.time):
+        in_the_way = self._liveness.struck(bots.time)
+        for robot in in_the_way:
             self._recovery.struck(robot, now)
         if self._liveness.unplaced:
-            for robot in self._liveness.dead(list(zip(bots.x.tolist(), bots.y.tolist(), strict=True)), bots.time):
+            places = list(zip(bots.x.tolist(), bots.y.tolist(), strict=True))
+            dead = self._liveness.dead(places, bots.time)
+            for robot in dead:
                 self._recovery.stands_in_the_way(robot, now)
-        return self._enter(now) if self._told else []
+            in_the_way += dead
+        said = self.step(now) if in_the_way else []  # those who are to stop have to hear it now
+        return said + self._enter(now) if self._told else said
 
     def _handle_result(self, result: DriveResult | TripResult, now: float) -> list[Message]:
         robot = self.state.robots[result.bot]
