@@ -22,6 +22,7 @@ from soup_msgs_py.mistakes import Mistakes
 BURIED_S = 20.0  # what it costs that a stored bucket closes the way to another one
 TRIES = 8  # alternatives that are tried at once
 WAITS_S = 15.0  # a bucket waits no longer for a bundle
+NEXT_WORD_S = 0.4  # nor for the next word: it is chosen for the buckets that are there
 KEEP_ROOM = 0.25  # share of the capacity: a bucket with less room is done at a letter station
 
 
@@ -77,7 +78,11 @@ class Dispatch:
             if tiles:
                 self._moves.serve(robot, station, tiles, now)
                 return
-            if not self._state.is_word_station(station) and self._worth_waiting(robot, now):
+            if self._state.is_word_station(station):
+                if self._next_word_comes(robot, now):
+                    self._moves.later(robot, now, "waits for the next word")
+                    return
+            elif self._worth_waiting(robot, now):
                 self._moves.later(robot, now, "waits for a bundle")
                 return
         if not self._serve_on(robot, now):
@@ -104,6 +109,13 @@ class Dispatch:
         """Whether a bucket stays for a while at a letter station that has nothing for it just now."""
         room = self._state.room(robot.bucket)
         return robot.blocked(now) <= WAITS_S and room > KEEP_ROOM * self._state.stock.capacity
+
+    def _next_word_comes(self, robot: Robot, now: float) -> bool:
+        """Whether a word is about to be opened at the station: a place is free and words wait."""
+        view = self._state.view
+        if not view.waiting_words or not view.free_places[robot.station]:
+            return False
+        return robot.blocked(now) <= NEXT_WORD_S
 
     def _serve_on(self, robot: Robot, now: float) -> bool:
         scores = self._policy.onward.score(self._state, robot)
