@@ -26,6 +26,15 @@ PATIENCE_S = 240.0
 ENDS_S = 3.0  # what is promised; the tests grant what a busy machine takes on top
 
 
+@pytest.fixture(autouse=True)
+def environment() -> Iterator[None]:
+    """What a test sets for its own process, as a warehouse's client does, is not there for what the next one starts."""
+    before = dict(os.environ)
+    yield
+    os.environ.clear()
+    os.environ.update(before)
+
+
 @pytest.fixture
 def domain(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """A ROS domain that no other test of this machine has, in this process and all that it starts."""

@@ -38,10 +38,11 @@ def judged(world: World, warehouse: Warehouse, requests: list) -> list:
         said = world.handle(request)
         for instant in np.linspace(0.0, 3.0, 31) + world.now:
             said += world.advance(float(instant))
+            for event in said:
+                if isinstance(event, m.Event):
+                    judge.event(event)
+            said = []
             judge.poses(world.bots(), world.buckets())
-        for event in said:
-            if isinstance(event, m.Event):
-                judge.event(event)
     return judge.violations
 
 

@@ -143,9 +143,7 @@ class InCharge:
     def _look(self) -> None:
         election, wall = self._election, time.monotonic()
         election.alive(self._watch.alive(election.claim.rank, speaks=self._publisher is not None))
-        # to count is slow among hundreds of bots
-        looks = election.standing is Standing.LOOKS
-        if election.look(wall, alone=looks and self._node.count_publishers(topics.CLOCK) == 0):
+        if election.look(wall, alone=election.standing is Standing.LOOKS and self._has_met_nobody()):
             self._publisher = self._node.create_publisher(msg.Charge, self._topic(topics.CHARGE), LATCHED)
             self._say_due = wall
         if self._publisher is not None and wall >= self._say_due:
@@ -168,6 +166,12 @@ class InCharge:
                 self._asks.call_async(Trigger.Request())
             case Standing.REPLACED:
                 self._hand_over()
+
+    def _has_met_nobody(self) -> bool:
+        """Whether nobody was found yet whom a busy machine may keep from being found soon."""
+        if self._asks is not None and self._election.other is None:
+            return True  # it was started because somebody is in charge
+        return self._node.count_publishers(topics.CLOCK) == 0  # slow among hundreds of bots
 
     def _on_hand_over(self, _request: Trigger.Request, answer: Answer) -> None:
         answer.give(Trigger.Response(success=True, message=f"the {self._live.name} stands by"))
