@@ -9,6 +9,7 @@ events of a small run and from looking at the bots very often.
 
 from __future__ import annotations
 
+import math
 from collections import Counter, defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -271,6 +272,30 @@ def test_the_bound_on_the_word_rate(run: Run) -> None:
     assert run.summary["fraction_of_bound"] == pytest.approx(busy / (3 * SECONDS))
 
 
+def test_the_bound_of_the_fleet(run: Run) -> None:
+    """Each letter takes two transfers and, where it came in and went out, its share of the way between the stations."""
+    scenario, layout = run.warehouse.scenario, run.warehouse.layout
+    places = layout.waypoints.tolist()
+    apart = min(math.dist(places[a], places[b]) for a in layout.word_stations for b in layout.letter_stations)
+    word, letter = scenario.word_station, scenario.letter_station
+    way_s = (apart - word.tolerance_m - letter.tolerance_m) / scenario.bot.max_speed_mps / scenario.bucket.capacity
+    bound = scenario.bots / ((2 + 2 + 3 + 3) / 4 * (word.transfer_s + letter.transfer_s + 2 * way_s))
+    assert run.summary["fleet_rate_bound"] == pytest.approx(bound)
+    busy = 0.0
+    in_buckets: dict[bool, Counter[int]] = {True: Counter(), False: Counter()}  # letters brought, room made
+    for event in run.counted:
+        if event.type is not EventType.TRANSFERRED:
+            continue
+        is_word = run.is_word_station(event.station)
+        busy += min(word.transfer_s if is_word else letter.transfer_s, event.time - WARMUP_S)
+        if in_buckets[is_word][event.bucket] > 0:
+            in_buckets[is_word][event.bucket] -= 1
+            busy += way_s
+        in_buckets[not is_word][event.bucket] += 1
+    assert run.summary["fraction_of_fleet_bound"] == pytest.approx(busy / (scenario.bots * SECONDS))
+    assert 0.0 < run.summary["fraction_of_fleet_bound"] < 1.0
+
+
 @pytest.mark.parametrize(
     ("lines", "mean_letters"),
     [
@@ -319,7 +344,9 @@ def test_a_warehouse_whose_stations_never_wait_reaches_its_bound(tmp_path: Path)
         world.handle(m.AssignWord(word, 0))
         world.handle(m.Transfer(0, word + 1, 0, (m.TileMove(),) * 3))
         world.advance(world.now + 3 * warehouse.scenario.word_station.transfer_s + 1.0)
-    assert world.statistics()["fraction_of_bound"] == pytest.approx(1.0, rel=1e-2)
+    figures = world.statistics()
+    assert figures["fraction_of_bound"] == pytest.approx(1.0, rel=1e-2)
+    assert figures["fraction_of_fleet_bound"] == pytest.approx(3 / 4, rel=1e-2)  # the bot waits for the clearing
 
 
 @given(
@@ -347,7 +374,9 @@ def test_no_choice_of_words_exceeds_the_bound(
     until = world.now
     for now in (until, until + ends_after):
         world.advance(now)
-        assert world.statistics()["fraction_of_bound"] <= 1.0 + 1e-9
+        figures = world.statistics()
+        assert figures["fraction_of_bound"] <= 1.0 + 1e-9
+        assert figures["fraction_of_fleet_bound"] <= figures["fraction_of_bound"] + 1e-9  # clearing takes no bot
     assert world.statistics()["words_completed"] <= len(picks)
 
 

@@ -43,6 +43,15 @@ FIGURES = {
     "fraction_of_bound": Figure(
         "share of the bound", SHARE, "what word stations moved and cleared, over what they could in that time"
     ),
+    "fleet_rate_bound": Figure(
+        "bound of the fleet",
+        "words/s",
+        "what so many bots could do with words of mean length: both transfers of a letter, and the least way in full "
+        "buckets",
+    ),
+    "fraction_of_fleet_bound": Figure(
+        "share of the fleet's bound", SHARE, "time of the bots that no fleet could have spared, over all of their time"
+    ),
     "stalled_since_s": Figure(
         "stalled since", "s", "when a letter was moved last, where it is long ago and words are on order; else null"
     ),

@@ -11,22 +11,12 @@ import numpy as np
 from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.messages import Event, Floats
 from soup_msgs_py.scenario import Scenario
+from soup_sim.bounds import Bounds
 from soup_sim.standstill import patience_s
 
-_GIVEN = ("_scenario", "bound", "_capacity")  # what comes from the scenario, and no checkpoint needs
-_BY_NUMBER = ("_busy_since", "_waiting", "_open")  # what a checkpoint holds as pairs
+_GIVEN = ("_scenario", "_bounds", "_capacity")  # what comes from the scenario, and no checkpoint needs
+_BY_NUMBER = ("_busy_since", "_waiting", "_open", "_brought", "_taken")  # what a checkpoint holds as pairs
 _FREE = BotState.FREE  # looked up once: an enumeration's members are slow to reach
-
-
-def word_rate_bound(scenario: Scenario, mean_word_length: float) -> float:
-    """The most words a second of mean length that the word stations can build (words/s).
-
-    Each moves one tile in `transfer_s`. A policy that opens short words builds more of them: whether a run is at its
-    bound is a matter of letters, see `Statistics`.
-    """
-    station = scenario.word_station
-    seconds_per_word = mean_word_length * station.transfer_s + station.clear_s
-    return scenario.word_station_count / seconds_per_word if seconds_per_word > 0 else float("inf")
 
 
 class Statistics:
@@ -36,15 +26,17 @@ class Statistics:
     and words cleared away. So it cannot exceed 1, whatever words are chosen. For words of mean length it is their rate
     over `word_rate_bound`.
 
+    `fraction_of_fleet_bound` is the share of all bots' time that no fleet could have spared: their transfers and, for
+    each letter that was brought in and taken out, its share of the least way there and back. It cannot exceed 1 either.
+
     Args:
         scenario: The scenario.
-        mean_word_length: Mean letters a word, for the bound.
+        bounds: What no run can exceed.
         inventory: Tiles in buckets at the start.
     """
 
-    def __init__(self, scenario: Scenario, mean_word_length: float, inventory: int) -> None:
-        self._scenario = scenario
-        self.bound = word_rate_bound(scenario, mean_word_length)
+    def __init__(self, scenario: Scenario, bounds: Bounds, inventory: int) -> None:
+        self._scenario, self._bounds = scenario, bounds
         self._capacity = scenario.bucket.capacity * scenario.buckets
         self._inventory = inventory
         self._state = [BotState.FREE] * scenario.bots
@@ -66,6 +58,10 @@ class Statistics:
         self._idle = 0.0
         self._idle_since = [now] * len(self._state)
         self._done_s = 0.0  # what word stations have done, in the time that it takes
+        self._bots_s = 0.0  # what bots have done at stations, in the time that it takes
+        self._crossed = 0  # letters that were taken from a letter station to a word station, and room taken back
+        self._brought: dict[int, int] = {}  # letters in each bucket that came in and may be taken out
+        self._taken: dict[int, int] = {}  # room in each bucket that was made and may be filled
         self._busy = [0.0, 0.0]
         self._busy_since = dict.fromkeys(self._busy_since, now)
         self._fill_area, self._fill_since = 0.0, now
@@ -91,13 +87,18 @@ class Statistics:
             if at_words:
                 self._inventory -= 1
                 self._word_transfers += 1
-                self._done_s += min(self._scenario.word_station.transfer_s, event.time - self._start)
+                took = min(self._scenario.word_station.transfer_s, event.time - self._start)
+                self._done_s += took
+                self._crosses(self._brought, self._taken, event.bucket)
                 self._word_visits += visit
             else:
                 self._inventory += 1
                 self.letters_dispensed += 1
                 self._letter_transfers += 1
+                took = min(self._scenario.letter_station.transfer_s, event.time - self._start)
+                self._crosses(self._taken, self._brought, event.bucket)
                 self._letter_visits += visit
+            self._bots_s += took
         elif kind is EventType.WORD_COMPLETED:
             self.words_completed += 1
             self.letters_in_words += event.count
@@ -158,6 +159,16 @@ class Statistics:
         for key in _BY_NUMBER:
             setattr(self, key, dict(map(tuple, state[key])))
 
+    def _crosses(self, there: dict[int, int], here: dict[int, int], bucket: int) -> None:
+        """A tile is moved where a bucket is; what was done with it at the other kind of station went the way between.
+
+        No more of it than the bucket holds went at a time.
+        """
+        here[bucket] = here.get(bucket, 0) + 1
+        if there.get(bucket, 0):
+            there[bucket] -= 1
+            self._crossed += 1
+
     def _fill(self, now: float) -> None:
         self._fill_area += self._inventory * (now - self._fill_since)
         self._fill_since = now
@@ -182,13 +193,19 @@ class Statistics:
         fill = self._fill_area * per_second if seconds > 0 else float(self._inventory)
         rate = self.words_completed * per_second
         share = self._done_s * per_second / scenario.word_station_count
+        bounds = self._bounds
+        needed_s = self._bots_s + self._crossed * bounds.crossing_s / scenario.bucket.capacity
         return {
             "sim_seconds": now,
             "words_completed": self.words_completed,
             "letters_in_words": self.letters_in_words,
             "words_per_second": rate,
-            "word_rate_bound": self.bound,
-            "fraction_of_bound": share if math.isfinite(self.bound) else math.nan,
+            "word_rate_bound": bounds.word_rate,
+            "fraction_of_bound": share if math.isfinite(bounds.word_rate) else math.nan,
+            "fleet_rate_bound": bounds.fleet_rate,
+            "fraction_of_fleet_bound": (
+                needed_s * per_second / scenario.bots if math.isfinite(bounds.fleet_rate) else math.nan
+            ),
             "word_time_mean_s": sum(self._word_times) / len(self._word_times) if self._word_times else None,
             "word_time_p95_s": float(np.percentile(self._word_times, 95)) if self._word_times else None,
             "oldest_waiting_word_s": now - next(iter(self._waiting.values()), now),

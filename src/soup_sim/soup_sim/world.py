@@ -23,6 +23,7 @@ from soup_msgs_py.warehouse.words import WordList
 from soup_sim.agenda import Agenda, Common, Said
 from soup_sim.arrivals import TimedBundle, TimedWord
 from soup_sim.bodies import Bodies
+from soup_sim.bounds import bounds
 from soup_sim.driving import Driving
 from soup_sim.layouts.cells import start_places
 from soup_sim.lifting import Lifting
@@ -75,7 +76,7 @@ class World:
         self._supply = Supply(scenario, self.tile_profile, timed_bundles, supply_rng)
         self._agenda = Agenda()
         inventory = sum(sum(content.values()) for content in contents)
-        self._statistics = Statistics(scenario, self._orders.mean_length, inventory)
+        self._statistics = Statistics(scenario, bounds(scenario, layout, self._orders.mean_length), inventory)
         self._bodies = Bodies(scenario, layout, layout.waypoints[starts], layout.waypoints[spots])
         self._common = Common(self._agenda, self._bodies, self._statistics)
         self._driving = Driving(self._common, scenario.bot.collision_penalty_s)

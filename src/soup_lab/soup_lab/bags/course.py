@@ -51,7 +51,7 @@ class Course:
     places: list[tuple[float, Any, Any]] = field(default_factory=list)  # time, (bots, 2) places (m), (bots,) states
     last: float = 0.0
     wall_seconds: float = 0.0
-    bound: float | None = None  # words a second, as the world told
+    bounds: tuple[float, float] | None = None  # of the stations and of the fleet, as the world told (words/s)
     latency_s: float = 0.0
     parts: dict[str, dict[str, str]] = field(default_factory=dict)  # what processes at work last reported, by name
     restarts: int = 0
@@ -174,8 +174,8 @@ def read_course(bag: Bag, stop: float = math.inf) -> Course:
             elif name == topics.CLOCK:
                 course.last = max(course.last, min(from_stamp(message.clock), stop))
             elif name == topics.STATISTICS:
-                course.wall_seconds, course.bound = message.wall_seconds, message.word_rate_bound
-                course.latency_s = message.latency_s
+                course.wall_seconds, course.latency_s = message.wall_seconds, message.latency_s
+                course.bounds = message.word_rate_bound, message.fleet_rate_bound
                 course.last = max(course.last, min(message.sim_seconds, stop))
             elif name == topics.SNAPSHOT:
                 sight = Sight(message.sequence, from_stamp(message.header.stamp), at)

@@ -15,6 +15,7 @@ from soup_msgs_py.codes import BotState, EventType
 from soup_msgs_py.errors import InputError
 from soup_msgs_py.messages import Event
 from soup_msgs_py.policies import policies_of
+from soup_sim.bounds import Bounds, crossing_s
 from soup_sim.statistics import Statistics
 from soup_sim.summary import make_summary
 
@@ -23,6 +24,7 @@ MEASURED = (
     "wall_seconds", "real_time_factor", "distance_total_m", "distance_mean_m", "bot_idle_fraction",
     "word_station_idle_fraction", "letter_station_idle_fraction", "latency_s",
 )  # fmt: skip
+BOUNDS = ("word_rate_bound", "fraction_of_bound", "fleet_rate_bound", "fraction_of_fleet_bound")
 WORD_TIMES = ("word_time_mean_s", "word_time_p95_s", "oldest_waiting_word_s")
 
 
@@ -43,8 +45,8 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
     known = course.start.sequence
     inventory = sum(sum(content.values()) for content in course.start.contents)
     inventory -= sum(_change(event, scenario.word_station_count) for event in events if event.sequence <= known)
-    figures = Statistics(scenario, 1.0, inventory)
-    figures.bound = course.bound or math.inf
+    told = course.bounds or (math.inf, math.inf)
+    figures = Statistics(scenario, Bounds(*told, crossing_s(scenario, announcement.layout)), inventory)
     figures.ordered(_words_at_start(course, events), 0.0)
     nowhere = np.zeros(scenario.bots)
     begun = warmup <= 0.0
@@ -69,8 +71,8 @@ def summarize(course: Course, warmup_s: float | None = None, verdict: Verdict | 
         "latency_s": course.latency_s,
         "real_time_factor": course.last / course.wall_seconds if course.wall_seconds > 0 else 0.0,
     }
-    if course.bound is None:
-        values |= {"word_rate_bound": None, "fraction_of_bound": None}
+    if course.bounds is None:
+        values |= dict.fromkeys(BOUNDS)
     policies = policies_of(course.parts)
     verdict = verdict or judge_course(course)
     return make_summary(values, scenario, policies, announcement.seed, verdict.violations)
